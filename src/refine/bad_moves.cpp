@@ -3,15 +3,19 @@
 // pass only marks such vertices (MoveState::to_undo). take_back_bad_moves() in the header then puts
 // them back (MoveState::just_undone) and starts the next pass, until a pass marks nothing.
 //
-// Turned triangles are found patch by patch with facing(), which compares a triangle's normal with
-// the direction away from the atom. Crossing triangles are found in a uniform grid of the patches.
-// Two patches with triangles that cross share a cell. Of the cells that two patches share, they are
-// tested in the one with the lowest numbers along all axes, so that each pair is tested once: first
-// their boxes, eight at a time (refine/box_lanes.hpp), then whether a plane keeps them apart
-// (refine/patch_outline.hpp), as it does with all but a few. For these, each triangle of one is
-// tested with the four of the other at a time (refine/patch_lanes.hpp), and what is left pair by
-// pair. Passes after the first check only the patches and cells around the vertices that were just
-// put back.
+// A patch is a group of triangles that share vertices: one given triangle, or a parent triangle's
+// four children (refine/level_view.hpp). Turned triangles are found patch by patch (is_turned()).
+// Crossing triangles are found in a uniform grid in which patches are listed. Two patches with
+// triangles that cross share a cell. Of the cells that two patches share, they are tested in the
+// one with the lowest numbers along all axes, so that each pair is tested once. The tests of a pair
+// get more expensive, and each rejects most of what it sees:
+//  1. Do the boxes of the patches overlap? Eight boxes are tested at a time (refine/box_lanes.hpp).
+//  2. Does a plane keep the patches apart? (refine/patch_outline.hpp)
+//  3. For each triangle of one patch: which triangles of the other may cross it? All four are
+//     tested at a time (refine/patch_lanes.hpp).
+//  4. Do the two triangles cross? (triangles_cross())
+// Passes after the first check only the patches and cells around the vertices that were just put
+// back.
 //
 // Threads mark vertices while other threads read states, yet the result is always the same. Marking
 // turns `moved` into `to_undo` and nothing else, and a pass asks two questions about a state: is it
@@ -38,8 +42,8 @@ bool is_just_undone(MoveState state) { return state == MoveState::just_undone; }
 
 }  // namespace
 
-// What the tests of pairs need to know about one patch. It is gathered at most once per patch and
-// cell, for all pairs of the cell that the patch belongs to and that no plane keeps apart.
+// What tests 3 and 4 need to know about one patch. It is gathered when the first pair with this
+// patch reaches test 3 in a cell, and serves all later pairs of the cell.
 template <class Level>
 struct BadMoves<Level>::Patch {
   Vertices vertex;
@@ -70,8 +74,9 @@ bool BadMoves<Level>::mark() {
 // pass these are the vertices away from where they started, since only pairs with one of them are
 // tested. Later they are those just put back: only the triangles of their patches have changed
 // since the previous pass, so at least one triangle of each new crossing belongs to such a patch.
-// bounds_of() is the box of the first and the last positions of a patch's vertices, whichever of
-// them went back, so all cells that the patch shares with another one are dirty.
+// A patch is listed in all cells that it may touch, before and after moves: its box, bounds_of(),
+// contains the positions of its vertices both before and after the projection. So a crossing that
+// appears because a vertex went back lies in a dirty cell.
 template <class Level>
 template <bool (*is_wanted)(MoveState)>
 void BadMoves<Level>::find_dirty_cells() {
@@ -121,7 +126,8 @@ bool BadMoves<Level>::mark_turned(const Vertices& v) {
   return any;
 }
 
-// Gathers patch t.
+// Fills `patch` for patch t of the level: its vertices, its triangles side by side for test 3, and
+// which of the triangles have a moved vertex.
 template <class Level>
 void BadMoves<Level>::gather(std::size_t t, Patch& patch) {
   constexpr auto kTriangles = static_cast<std::size_t>(Level::kTriangles);
@@ -150,31 +156,35 @@ void BadMoves<Level>::gather(std::size_t t, Patch& patch) {
   patch.triangles.complete(kTriangles);
 }
 
-// The patches of one cell. Each thread keeps the object from cell to cell, so that memory is taken
-// only a few times.
+// The patches of one cell; arrays are by the number of the patch in the cell's list. Each thread
+// keeps one object from cell to cell, so that memory is allocated only a few times. The arrays may
+// therefore be longer than the list, with values of earlier cells at the end.
 template <class Level>
 struct BadMoves<Level>::CellPatches {
   BoxLanes boxes;
-  std::vector<std::uint8_t> begins;    // bit a: the cell is the first one of the patch along axis a
-  std::vector<std::uint8_t> is_sound;  // its own triangles cannot cross each other
+  std::vector<std::uint8_t> begins;  // bit a: the cell is the first one of the patch along axis a
+  std::vector<std::uint8_t> cannot_cross_itself;  // 1: no two triangles of the patch can cross
   std::vector<PatchOutline> outlines;
-  std::deque<Patch> gathered;       // few of the patches are; their places last while others come
-  std::size_t count = 0;            // of those that are of this cell
-  std::vector<std::uint32_t> slot;  // by patch, its number in `gathered` from 1, or 0
+  // The patches with a pair that reached test 3: the first `gathered_count` elements are of this
+  // cell. A deque, because references to elements must stay valid while others are appended.
+  std::deque<Patch> gathered;
+  std::size_t gathered_count = 0;
+  std::vector<std::uint32_t> slot;  // index in `gathered` plus 1; 0 if the patch is not there
 
   void resize(std::size_t patches) {
     boxes.resize(patches);
     slot.assign(patches, 0);
-    count = 0;
+    gathered_count = 0;
     if (patches <= begins.size()) return;
     begins.resize(patches);
-    is_sound.resize(patches);
+    cannot_cross_itself.resize(patches);
     outlines.resize(patches);
   }
 };
 
-// Takes the boxes of the patches of a cell. Returns how far (Å) coordinates of their vertices are
-// apart at most: the boxes are rounded by less than 2^-20 of the width of all cells together.
+// Takes the boxes of the patches of a cell. Returns a bound (Å) on the difference of any two
+// coordinates, along one axis, of vertices of these patches: the extents of all boxes together,
+// summed over the axes. length_of() adds the rounding of the boxes to float32.
 template <class Level>
 double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
   const auto listed = grid_->patches_in(cell);
@@ -193,12 +203,17 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
     }
     here.begins[j] = static_cast<std::uint8_t>(begins);
   }
-  double reach = 0;  // a sum, so that no axis is lost if one is not a number
+  // A sum, not a maximum: it is NaN if an axis is NaN. Then no plane keeps patches apart, and all
+  // pairs are tested.
+  double reach = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) reach += grid_->length_of(lower[axis], upper[axis]);
   return reach;
 }
 
-// Takes the outlines of the patches of a cell.
+// Takes the outlines of the patches of a cell, relative to a vertex of the first patch, so that no
+// coordinate exceeds `reach`. Decides also which patches need not be tested with themselves. If all
+// vertices have one atom, triangles_cross() reports no crossing, because the triangles share a
+// vertex, and mark_turned() judges them. Otherwise planes may keep the children apart.
 template <class Level>
 void BadMoves<Level>::take_outlines(std::size_t cell, double reach, CellPatches& here) const {
   const auto listed = grid_->patches_in(cell);
@@ -214,7 +229,7 @@ void BadMoves<Level>::take_outlines(std::size_t cell, double reach, CellPatches&
       is_of_one_atom &= atoms[v[i]] == atoms[v[0]];
     }
     here.outlines[j].set(v, position, reach);
-    here.is_sound[j] =
+    here.cannot_cross_itself[j] =
         is_of_one_atom || Level::kTriangles == 1 || here.outlines[j].separates_children(reach);
   }
 }
@@ -231,16 +246,18 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
   take_outlines(cell, take_boxes(cell, here), here);
   const auto gathered = [&](std::size_t i) -> const Patch& {
     if (here.slot[i] == 0) {
-      if (here.count == here.gathered.size()) here.gathered.emplace_back();
-      gather(listed[i], here.gathered[here.count]);
-      here.slot[i] = static_cast<std::uint32_t>(++here.count);
+      const std::size_t next = here.gathered_count++;
+      if (next == here.gathered.size()) here.gathered.emplace_back();
+      gather(listed[i], here.gathered[next]);
+      here.slot[i] = static_cast<std::uint32_t>(next + 1);
     }
     return here.gathered[here.slot[i] - 1];
   };
   bool any = false;
   for (std::size_t i = 0; i < listed.size(); ++i) {
     const PatchOutline& outline = here.outlines[i];
-    if (here.begins[i] == kAllAxes && here.is_sound[i] == 0) {
+    // A patch is tested with itself in its own first cell.
+    if (here.begins[i] == kAllAxes && here.cannot_cross_itself[i] == 0) {
       any |= mark_pair(gathered(i), gathered(i));
     }
     for (std::size_t first = 0; first < i; first += BoxLanes::kLanes) {
@@ -248,7 +265,9 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
       if (first + BoxLanes::kLanes > i) near &= (1u << (i - first)) - 1;
       for (; near != 0; near &= near - 1) {
         const std::size_t j = first + static_cast<std::size_t>(std::countr_zero(near));
+        // Along each axis, the first cell that both patches touch is the first cell of one of them.
         if ((here.begins[i] | here.begins[j]) != kAllAxes) continue;
+        // A plane through an edge of either patch may keep them apart.
         if (outline.template shuts_out<kVertices>(here.outlines[j])) continue;
         if (here.outlines[j].template shuts_out<kVertices>(outline)) continue;
         any |= mark_pair(gathered(i), gathered(j));

@@ -28,7 +28,7 @@ void make_midpoint_of(const Constraint& constraint, const Midpoints& level, std:
   const Vec3d p = constraint.projects()
                       ? constraint.midpoint(pieces, parent.positions[level.start_of(h)],
                                             parent.positions[level.end_of(h)])
-                      : level.start(h);
+                      : level.middle_of(h);
   const std::uint32_t v = level.midpoint_of(h);
   mesh.positions[v] = p;
   mesh.vertex_spheres.set(v, constraint.label(pieces, p));
@@ -41,7 +41,7 @@ template <class Constraint>
 ProjectionStats constrain_midpoints(const Constraint& constraint, const Midpoints& level,
                                     IndexedMesh& mesh, Monitor* monitor) {
   return tally(level.items(), monitor, [&](std::size_t h, ProjectionStats& total) {
-    if (!level.handled_by_item(h)) return;  // the opposite half-edge, the lower one, stands for it
+    if (!level.handled_by_item(h)) return;  // the lower half-edge of the edge makes the midpoint
     make_midpoint_of(constraint, level, h, mesh, total);
   });
 }

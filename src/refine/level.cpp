@@ -31,8 +31,9 @@
 namespace vdwmesh {
 namespace {
 
-// The surface of a mesh whose triangles are labelled with their spheres, as
-// constrained_midpoints.hpp wants it. The pieces at an edge are the label of its midpoint.
+// The Constraint (constrained_midpoints.hpp) of a mesh whose triangles are labelled with their
+// spheres. The pieces of the surface at an edge are the spheres of its two triangles. They are also
+// the label of the edge's midpoint.
 class SphereConstraint {
  public:
   SphereConstraint(const SphereSet& spheres, Projection projection)
@@ -84,7 +85,7 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
   ProjectionStats stats =
       tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
         const std::optional<std::size_t> i = level.handled_by_item(h);
-        if (!i) return;  // the opposite half-edge stands for the midpoint
+        if (!i) return;  // h is the upper half-edge of its edge; the lower one makes the midpoint
         // Only a mesh that is not projected has normals: prepare_mesh() removes the others.
         if (!mesh.normals.empty()) mesh.normals[level.midpoint_of(h)] = level.mean_normal(h);
         move_states[*i] = put(place_midpoint(surface, balls, ends_of(level, h), total),
@@ -93,7 +94,7 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
   if (surface.projection() == Projection::none) return stats;
   stats.undone = take_back_bad_moves(spheres, level, move_states, options, [&](std::size_t h) {
     const std::uint32_t v = level.midpoint_of(h);
-    mesh.positions[v] = level.start(h);
+    mesh.positions[v] = level.middle_of(h);
     mesh.vertex_spheres.set(v, ends_of(level, h).unprojected_label(balls));
   });
   // A vertex that was put back had moved, so it had converged and was counted as projected.
@@ -120,6 +121,7 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
     Buffer<MoveState> move_states(mesh.vertex_count());
     const Buffer<std::uint64_t> squares = longest_edge_squares(mesh);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
+      // The squares come as the bits of doubles (vertex_moves.hpp).
       const double reach = std::sqrt(std::bit_cast<double>(squares[v]));
       move_states[v] = put(place_given(surface, positions[v], labels[v], reach, total), v, mesh);
     });

@@ -97,7 +97,7 @@ struct Midpoints {
   std::uint32_t start_of(std::size_t h) const { return parent.triangles[h / 3][h % 3]; }
   std::uint32_t end_of(std::size_t h) const { return parent.triangles[h / 3][(h + 1) % 3]; }
   // The position in the middle of half-edge h, from which the projection of its midpoint starts.
-  Vec3d start(std::size_t h) const {
+  Vec3d middle_of(std::size_t h) const {
     return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
   }
   // The mean of the normals at the ends of half-edge h. The parent must have normals.

@@ -45,17 +45,6 @@ class PatchLanes {
     return {corner_[k][0][lane], corner_[k][1][lane], corner_[k][2][lane]};
   }
 
-  // Whether the bounding boxes of the two patches have no point in common. There are no branches,
-  // because their outcome would be close to random and badly predicted.
-  bool is_apart_from(const PatchLanes& other) const {
-    int apart = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      apart |= box_[i] > -other.box_[i + 3];
-      apart |= other.box_[i] > -box_[i + 3];
-    }
-    return apart != 0;
-  }
-
   std::uint32_t overlapping(const PatchLanes& other, std::size_t lane) const;
   std::uint32_t may_cross(const PatchLanes& other, std::size_t lane) const;
 
@@ -69,8 +58,6 @@ class PatchLanes {
   alignas(32) double corner_[3][3][kLanes];  // Å, by corner, axis and lane
   alignas(32) double normal_[3][kLanes], lower_[3][kLanes], upper_[3][kLanes];
   alignas(32) std::int64_t vertex_[3][kLanes], atom_[kLanes];
-  // The box of all triangles: the lower corner, then the upper corner negated.
-  std::array<double, 6> box_;
 };
 
 // Completes the first `count` lanes, which have been set. The others get empty boxes.
@@ -85,13 +72,6 @@ VDWMESH_INLINE void PatchLanes::complete(std::size_t count) {
     const Lanes least = a < b ? a : b, most = a > b ? a : b;
     store_lanes(lower_[axis], least < c ? least : c);
     store_lanes(upper_[axis], most > c ? most : c);
-    double low = lower_[axis][0], high = upper_[axis][0];
-    for (std::size_t l = 1; l < count; ++l) {
-      low = lower_[axis][l] < low ? lower_[axis][l] : low;
-      high = upper_[axis][l] > high ? upper_[axis][l] : high;
-    }
-    box_[static_cast<std::size_t>(axis)] = low;
-    box_[static_cast<std::size_t>(axis) + 3] = -high;
     for (std::size_t l = count; l < kLanes; ++l) {
       lower_[axis][l] = std::numeric_limits<double>::infinity();
       upper_[axis][l] = -lower_[axis][l];

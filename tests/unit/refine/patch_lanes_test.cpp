@@ -69,7 +69,6 @@ TEST(PatchLanes, LeavesOutNoPairThatCrosses) {
     const Points points = points_of(round % 2 == 0 ? 1 : 0.1, draw);
     const std::size_t sizes[2] = {1 + draw.below(4), 1 + draw.below(4)};
     const SetOfFour a = patch_of(sizes[0], points, draw), b = patch_of(sizes[1], points, draw);
-    bool any_box = false;
     for (std::size_t i = 0; i < sizes[0]; ++i) {
       const PatchTriangle& s = a.triangles[i];
       const std::uint32_t boxes = b.lanes.overlapping(a.lanes, i);
@@ -79,7 +78,6 @@ TEST(PatchLanes, LeavesOutNoPairThatCrosses) {
         const PatchTriangle& t = b.triangles[j];
         const bool overlap = boxes_overlap(s.corner.data(), t.corner.data()) != 0;
         ASSERT_EQ((boxes >> j & 1) != 0, overlap);
-        any_box = any_box || overlap;
         const bool cross =
             overlap && triangles_cross(s.corner.data(), s.vertex.data(), a.atoms[i].data(),
                                        t.corner.data(), t.vertex.data(), b.atoms[j].data()) != 0;
@@ -88,7 +86,6 @@ TEST(PatchLanes, LeavesOutNoPairThatCrosses) {
         left_out += overlap && (left >> j & 1) == 0;
       }
     }
-    ASSERT_FALSE(any_box && a.lanes.is_apart_from(b.lanes));
   }
   EXPECT_GT(crossing, 1000);
   EXPECT_GT(left_out, 1000) << "the tests leave out nothing";

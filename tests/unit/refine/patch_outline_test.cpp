@@ -179,7 +179,7 @@ Buffer<MoveState> move_midpoints(const SphereSet& spheres, const Midpoints& leve
     const auto i = level.handled_by_item(h);
     if (!i) continue;
     const std::uint32_t v = level.midpoint_of(h);
-    const Vec3d start = level.start(h);
+    const Vec3d start = level.middle_of(h);
     mesh.positions[v] = start;
     mesh.vertex_spheres.set(v, label_in_the_middle(spheres, level, h));
     states[*i] = MoveState::stayed;
@@ -211,7 +211,7 @@ void restore_by_all_pairs(const SphereSet& spheres, const Midpoints& level, Inde
     return v >= first && states[v - first] == MoveState::moved;
   };
   const auto before = [&](std::uint32_t v) {
-    return v < first ? mesh.positions[v] : level.start(half_edge[v]);
+    return v < first ? mesh.positions[v] : level.middle_of(half_edge[v]);
   };
   for (std::vector<bool> bad(mesh.vertex_count(), true); std::ranges::count(bad, true) > 0;) {
     bad.assign(mesh.vertex_count(), false);
@@ -252,7 +252,7 @@ void restore_by_all_pairs(const SphereSet& spheres, const Midpoints& level, Inde
     }
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
       if (!bad[v]) continue;
-      mesh.positions[v] = level.start(half_edge[v]);
+      mesh.positions[v] = level.middle_of(half_edge[v]);
       mesh.vertex_spheres.set(v, label_in_the_middle(spheres, level, half_edge[v]));
       states[v - first] = MoveState::stayed;
     }
@@ -281,7 +281,7 @@ TEST(BadMovesOfMidpoints, AreThoseOfAllPairs) {
       restore_by_all_pairs(spheres, Midpoints{parent, edge, expected}, expected, states);
       undone += take_back_bad_moves(spheres, level, states, {}, [&](std::size_t h) {
         const std::uint32_t v = level.midpoint_of(h);
-        mesh.positions[v] = level.start(h);
+        mesh.positions[v] = level.middle_of(h);
         mesh.vertex_spheres.set(v, label_in_the_middle(spheres, level, h));
       });
       ASSERT_EQ(mesh.positions, expected.positions) << set.name << ", level " << depth + 1;
