@@ -26,8 +26,8 @@
 
 namespace vdwmesh {
 
-// The field at all nodes that the brick's cells touch. row[z][y] holds the nodes x = 0 .. 7, a
-// whole vector of float32; last[z][y] holds the node x = 8.
+// The field at all 9 x 9 x 9 nodes that the brick's cells touch. row[z][y] holds the nodes x = 0 ..
+// 7, last[z][y] the node x = 8: without it, a row fills one SIMD register of eight float32.
 struct BrickValues {
   float row[kBrickReach][kBrickReach][kBrickSide];
   float last[kBrickReach][kBrickReach];
@@ -42,7 +42,7 @@ class BlendedBrick {
       : list_(list),
         model_(model),
         shape_(shape_parameters<float>(model)),
-        nodes_(Kind::node_shape(model)),
+        node_shape_(Kind::node_shape(model)),
         isovalue_(static_cast<float>(model.isovalue)) {}
 
   // Moves to a brick: gathers the atoms that reach the box of its nodes, in list order.
@@ -65,12 +65,16 @@ class BlendedBrick {
 
   const CellListView& list_;
   const FieldModel& model_;
-  ShapeParameters<float> shape_;  // the field's parameters, for gradients at vertices
-  NodeShape nodes_;               // the same field's parameters, for sums at nodes
+  // The field's parameters twice, in the forms in which the formulas for gradients at vertices and
+  // the formulas for sums at nodes take them.
+  ShapeParameters<float> shape_;
+  NodeShape node_shape_;
   float isovalue_;
   BrickGeometry geometry_{};
-  std::vector<LocalAtom> atoms_;       // the atoms that reach the brick
-  std::vector<std::uint32_t> places_;  // list place (index in the cell list) of each of them
+  std::vector<LocalAtom> atoms_;  // the atoms that reach the brick
+  // The list place of each of them: its index in the cell list, where its rank and id stand. Equal
+  // contributions are decided by the rank.
+  std::vector<std::uint32_t> places_;
 };
 
 template <BlendedKind Kind>
@@ -81,7 +85,7 @@ LocalAtom BlendedBrick<Kind>::local_atom(const Sphere& atom) const {
     local.center[axis] = static_cast<float>(atom.center[axis] - geometry_.coordinate[axis][0]);
     for (int node = 0; node < kBrickReach; ++node) {
       local.term[axis][node] =
-          brick_term<Kind>(model_, nodes_, geometry_, atom, local.scale, axis, node);
+          brick_term<Kind>(model_, node_shape_, geometry_, atom, local.scale, axis, node);
     }
     local.in_subgrid[axis] = subgrid_planes(axis, atom);
   }
@@ -127,14 +131,14 @@ void BlendedBrick<Kind>::add_rows(const LocalAtom& atom, BrickValues& values) co
   for (int x = 0; x < kBrickReach; ++x) along[x] = atom.term[0][x];
   for (int z = 0; z < kBrickReach; ++z) {
     for (int y = 0; y < kBrickReach; ++y) {
-      const RowTerm term = Kind::row_term(nodes_, atom.term[1][y], atom.term[2][z]);
-      if (Kind::row_is_out_of_reach(nodes_, term)) continue;
+      const RowTerm term = Kind::row_term(node_shape_, atom.term[1][y], atom.term[2][z]);
+      if (Kind::row_is_out_of_reach(node_shape_, term)) continue;
       float* row = values.row[z][y];
       for (int x = 0; x < kBrickSide; ++x) {
-        row[x] = Kind::add_atom(nodes_, term, along[x], atom.scale, row[x]);
+        row[x] = Kind::add_atom(node_shape_, term, along[x], atom.scale, row[x]);
       }
       float& last = values.last[z][y];
-      last = Kind::add_atom(nodes_, term, along[kBrickSide], atom.scale, last);
+      last = Kind::add_atom(node_shape_, term, along[kBrickSide], atom.scale, last);
     }
   }
 }
@@ -164,7 +168,7 @@ void BlendedBrick<Kind>::signs(BrickSigns& signs) const {
 // in its sub-grid. To ask instead whether the atom's value at that node is above 0 would be a wrong
 // test: the terms of a steep Blinn field may underflow to 0 at the node while the contribution at
 // the vertex is large.
-inline bool reaches_node(const LocalAtom& a, const int node[3]) {
+inline bool has_in_subgrid(const LocalAtom& a, const int node[3]) {
   return (a.in_subgrid[0] >> node[0] & a.in_subgrid[1] >> node[1] & a.in_subgrid[2] >> node[2] &
           1) != 0;
 }
@@ -178,8 +182,8 @@ template <BlendedKind Kind>
 EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   float inside = 0, outside = 0;
   for (const LocalAtom& atom : atoms_) {
-    inside = add_to_node<Kind>(nodes_, atom, edge.inside, inside);
-    outside = add_to_node<Kind>(nodes_, atom, edge.outside, outside);
+    inside = add_to_node<Kind>(node_shape_, atom, edge.inside, inside);
+    outside = add_to_node<Kind>(node_shape_, atom, edge.outside, outside);
   }
   EdgeVertex v = vertex_between(inside, outside, isovalue_, model_.grid, edge,
                                 geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
@@ -187,7 +191,7 @@ EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   LocalGradient g;
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
     const LocalAtom& a = atoms_[k];
-    if (!reaches_node(a, edge.inside)) continue;
+    if (!has_in_subgrid(a, edge.inside)) continue;
     add_gradient<Kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
                        list_.rank[places_[k]], k, g);
   }
@@ -195,7 +199,7 @@ EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   // end. There is such an atom, because the field there is at least the isovalue, which is above 0.
   if (!(g.strongest.value > 0)) {
     for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
-      const float value = add_to_node<Kind>(nodes_, atoms_[k], edge.inside, 0.0f);
+      const float value = add_to_node<Kind>(node_shape_, atoms_[k], edge.inside, 0.0f);
       g.strongest.meet(value, list_.rank[places_[k]], k);
     }
   }

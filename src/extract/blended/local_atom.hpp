@@ -91,6 +91,7 @@ struct Strongest {
   std::uint32_t rank = 0;
   std::uint32_t atom = 0;
 
+  // Takes the candidate if it is larger than the maximum so far, or equal and of lower rank.
   VDWMESH_HD void meet(float candidate, std::uint32_t candidate_rank, std::uint32_t index) {
     if (candidate < value || !(candidate > 0)) return;
     if (candidate == value && candidate_rank > rank) return;
@@ -108,14 +109,6 @@ struct LocalGradient {
 
 VDWMESH_HD inline float local_square(const Vec3f& local) {
   return std::fma(local.x, local.x, std::fma(local.y, local.y, local.z * local.z));
-}
-
-// Returns false only if add_gradient() with the same arguments would add exactly 0.
-template <BlendedKind Kind>
-VDWMESH_HD inline bool is_in_window(const ShapeParameters<float>& shape, const Vec3f& local,
-                                    float scale) {
-  const float q = local_square(local) * scale;
-  return Kind::reaches(shape, q);
 }
 
 // Adds an atom to the gradient at a vertex. `local` is the vertex less the atom's centre, Å.

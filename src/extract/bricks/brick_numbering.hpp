@@ -21,10 +21,12 @@ namespace vdwmesh {
 // What counting found in a brick. Row (y, z) has the number 8 z + y.
 struct ActiveBrick {
   std::uint64_t key;  // brick_key() of the brick
-  // clipped_cells: cells that the surface crosses and that have a virtual node as a corner.
+  // clipped_cells: cells that the surface crosses and that have a virtual node as a corner. Virtual
+  // nodes are the layer of nodes around the grid; they count as outside (brick_geometry.hpp).
   std::uint32_t vertices, triangles, clipped_cells;
-  // How many vertices the brick has in its rows of nodes before this one, and how many triangles in
-  // its rows of cells before this one.
+  // By row: how many vertices the brick has in the rows of nodes before it, and how many triangles
+  // in the rows of cells before it. A vertex belongs to the row of the node at the lower end of its
+  // edge, a triangle to the row of its cell.
   std::uint16_t row_vertices[kBrickSide * kBrickSide];
   std::uint16_t row_triangles[kBrickSide * kBrickSide];
   BrickSigns signs;
@@ -101,14 +103,15 @@ VDWMESH_HD OwnerPosition locate(Neighbour&& neighbour, int x, int y, int z) {
   return {neighbour(neighbour_slot(x >> 3, y >> 3, z >> 3)), x & 7, y & 7, z & 7};
 }
 
-// Bit x is set if cell x = 0 .. 7 of the row (y, z) has a virtual node as a corner; clipped_cells
-// counts those of them that the surface crosses. A cell's corners are nodes i and i + 1 along each
-// axis, and bit i = 0 .. 8 of g.real[axis] is set if node i belongs to the grid. `>>` binds tighter
-// than `&`. If the row lacks nodes across y or z, all its cells qualify.
+// The border cells of the row (y, z): bit x is set if cell x = 0 .. 7 has a virtual node as a
+// corner. ActiveBrick::clipped_cells counts the border cells that the surface crosses. A cell's
+// corners are nodes i and i + 1 along each axis, and bit i = 0 .. 8 of g.real[axis] is set if node
+// i belongs to the grid. If nodes y and y + 1, or z and z + 1, do not both belong to it, all cells
+// of the row are border cells.
 VDWMESH_HD inline std::uint32_t border_cells(const BrickGeometry& g, int y, int z) {
-  const bool border_row = (g.real[1] >> y & 3) != 3 || (g.real[2] >> z & 3) != 3;
+  const bool border_row = ((g.real[1] >> y) & 3) != 3 || ((g.real[2] >> z) & 3) != 3;
   const std::uint32_t all_cells = (1u << kBrickSide) - 1, real_x = g.real[0];
-  return border_row ? all_cells : ~(real_x & real_x >> 1) & all_cells;
+  return border_row ? all_cells : ~(real_x & (real_x >> 1)) & all_cells;
 }
 
 }  // namespace vdwmesh
