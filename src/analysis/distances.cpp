@@ -9,8 +9,8 @@
 //  4. Surface to mesh: surface_to_mesh() takes points of spherical Fibonacci lattices on the
 //     patches, and MeshFinder finds the nearest triangle for each of them.
 //
-// Points on the borders of patches count for the maximum alone. The finder passes over those that
-// cannot raise the largest distance found so far, as mesh_to_surface() does.
+// Points on the borders of patches count for the maximum alone. No distance is measured for those
+// of them that cannot raise the maximum found so far, as in mesh_to_surface().
 //
 // Work is divided into blocks of fixed size. Each block has its own sums, which are joined in the
 // order of the blocks; histograms count integers. The result is therefore the same bit for bit for

@@ -218,7 +218,7 @@ class HalfEdgesByRange {
 };
 
 // Fills the buckets of end.size() vertices, from `first_vertex` on. This is a counting sort by
-// smaller vertex, then a sort of each bucket. The first of these buckets begins at entries[place].
+// smaller vertex, then a sort of each bucket. The first of these buckets begins at entries[begin].
 // for_each_half_edge(visit) calls visit(number, from, to) for each half-edge whose smaller vertex
 // is one of these vertices; its number is 3t + k. It runs twice, to count and to write.
 //
@@ -226,20 +226,19 @@ class HalfEdgesByRange {
 // is the size of the bucket. The exclusive prefix sum makes it the index in `entries` at which the
 // bucket begins. Each write moves it on by one, so that it ends as the end of the bucket.
 template <class ForEach>
-void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t place, std::size_t first_vertex,
+void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t begin, std::size_t first_vertex,
                   std::span<std::uint32_t> end, EdgeEntry* entries) {
   std::fill(end.begin(), end.end(), 0u);
   for_each_half_edge([&](std::uint32_t, std::uint32_t from, std::uint32_t to) {
     ++end[std::min(from, to) - first_vertex];
   });
-  std::uint32_t next = place;
+  std::uint32_t next = begin;
   for (std::uint32_t& e : end) next += std::exchange(e, next);
   for_each_half_edge([&](std::uint32_t number, std::uint32_t from, std::uint32_t to) {
     // The third argument is the direction: whether the half-edge descends to the smaller vertex.
     entries[end[std::min(from, to) - first_vertex]++] =
         EdgeEntry(std::max(from, to), number, from > to);
   });
-  std::uint32_t begin = place;
   for (const std::uint32_t e : end) {
     sort_bucket(entries + begin, entries + e);
     begin = e;
