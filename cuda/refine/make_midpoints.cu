@@ -84,7 +84,7 @@ __device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, Edge
   static_assert(kRounds <= kMostRounds);
   const DeviceMeshView& parent = level.parent;
   const unsigned lane = threadIdx.x % kWarp;
-  WarpBox box(level.start(half_edge(0)));
+  WarpBox box(level.middle_of(half_edge(0)));
 #pragma unroll
   for (unsigned round = 0; round < kRounds; ++round) {
     const unsigned i = round * kWarp + lane;
@@ -329,7 +329,8 @@ __global__ void __launch_bounds__(kThreads)
     const std::uint64_t h = first_word * kHalfEdgesPerWord + first[warp][i];
     const double reach = midpoint_reach(level.parent.positions[level.start_of(h)],
                                         level.parent.positions[level.end_of(h)]);
-    const ProjectedPoint p = project_to_field(surface.list, surface.model, level.start(h), reach);
+    const ProjectedPoint p =
+        project_to_field(surface.list, surface.model, level.middle_of(h), reach);
     tally.add(p);
     const std::uint32_t edge = first_edge + i;
     const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
@@ -395,7 +396,7 @@ __global__ void make_constrained_midpoints(SurfaceView surface, MidpointLevel le
     const Vec3d p = projects ? constrained_midpoint(surface.spheres, ids(label),
                                                     parent.positions[level.start_of(h)],
                                                     parent.positions[level.end_of(h)])
-                             : level.start(h);
+                             : level.middle_of(h);
     level.mesh.vertex_spheres.set(v, label);
     level.mesh.positions[v] = p;
     if (projects) {

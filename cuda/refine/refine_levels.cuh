@@ -187,23 +187,23 @@ struct MidpointLevel {
     return parent.corners[h % 3 == 2 ? h - 2 : h + 1];
   }
   // The middle of half-edge h, from which its midpoint is projected.
-  __device__ Vec3d start(std::uint64_t h) const {
+  __device__ Vec3d middle_of(std::uint64_t h) const {
     return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
   }
   // The position of vertex i of patch t before its move.
   __device__ Vec3d before(std::uint64_t t, int i) const {
-    return i < 3 ? parent.positions[parent.corners[3 * t + i]] : start(3 * t + i - 3);
+    return i < 3 ? parent.positions[parent.corners[3 * t + i]] : middle_of(3 * t + i - 3);
   }
   // The label of a midpoint that stays on its edge: the atom of one of the edge's two ends, namely
   // the one whose sphere is nearer to the middle.
   __device__ VertexSpheres unprojected_label(const SurfaceView& surface, std::uint64_t h) const {
     const SphereId a = parent.vertex_spheres.atoms[start_of(h)];
     const SphereId b = parent.vertex_spheres.atoms[end_of(h)];
-    return on_sphere(nearer_sphere(surface.spheres, a, b, start(h)));
+    return on_sphere(nearer_sphere(surface.spheres, a, b, middle_of(h)));
   }
   // Puts vertex v, the midpoint of half-edge h, into the middle of its edge.
   __device__ void take_back(const SurfaceView& surface, std::uint64_t h, std::uint32_t v) const {
-    mesh.positions[v] = start(h);
+    mesh.positions[v] = middle_of(h);
     mesh.vertex_spheres.set(v, unprojected_label(surface, h));
   }
 };
