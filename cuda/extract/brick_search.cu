@@ -180,10 +180,10 @@ struct UnionTest {
   }
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
-    // The nearest and the farthest point of the box are seen from the centre of the ball. near,
-    // far: the squares of their distances, Å². extent, Å: the sum over the axes of `end` and the
-    // length of from_parent. Every coordinate that is rounded on the way is at most as long, `from`
-    // too, which is the difference of to_middle and from_parent.
+    // near, far: the squared distances (Å²) of the nearest and of the farthest point of the box
+    // from the centre of the ball. extent (Å): the sum over the axes of `end` and |from_parent|. No
+    // coordinate that is rounded on the way is larger. This holds for NearSphere::from as well,
+    // because it is the difference of to_middle and from_parent.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
@@ -257,16 +257,17 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
   test.join();
 }
 
-// Where test_children() tells which children it keeps, either of the two.
+// Where test_children() writes which children it keeps: to a list of all children, or, if they are
+// bricks, to marks of all bricks of the grid. The arrays of the other form are null.
 struct KeptChildren {
-  // For child c of parent i, at index 8 i + c: its key, and whether it is kept.
+  // The list. For child c of parent i, at index 8 i + c: its key, and 1 if it is kept, else 0.
   std::uint64_t* keys = nullptr;
   std::uint8_t* keep = nullptr;
-  // Or for a brick, at its brick_number(): 1 if it is kept. Other marks are not touched.
+  // The marks. At the brick_number() of a brick: 1 if it is kept. Other marks are not written.
   std::uint8_t* marks = nullptr;
   std::int32_t bricks[3] = {};  // of the grid along each axis
 
-  __device__ void tell(std::uint64_t i, const BrickIndex& child, bool kept) const {
+  __device__ void write(std::uint64_t i, const BrickIndex& child, bool kept) const {
     if (marks == nullptr) {
       keys[i] = brick_key(child);
       keep[i] = kept ? 1 : 0;
@@ -277,10 +278,10 @@ struct KeptChildren {
 };
 
 // A warp per parent, 4 warps per thread block, with 6 KB of shared memory. Reads the keys of
-// `count` parents of level child_level + 1. Tells for each child whether it is kept: whether it may
-// hold surface and may have bricks in `range`. The first lane of each child (part 0) writes. The
-// bound of 6 makes the compiler use so few registers that 6 thread blocks fit on a multiprocessor
-// at a time.
+// `count` parents of level child_level + 1. Writes for each child whether it is kept: whether it
+// may hold surface and may have bricks in `range`. The first lane of each child (part 0) writes.
+// The bound of 6 makes the compiler use so few registers that 6 thread blocks fit on a
+// multiprocessor at a time.
 template <class Test, class Fields>
 __global__ void __launch_bounds__(kThreads, 6)
     test_children(const __grid_constant__ Fields fields, const std::uint64_t* parents,
@@ -307,7 +308,7 @@ __global__ void __launch_bounds__(kThreads, 6)
   const bool crosses =
       !test.is_outside(child) && (!test.is_inside(child) || child.box.touches_border);
   const bool kept = !child.box.empty && crosses && block_meets(range, index, child_level);
-  result.tell(kChildren * i + static_cast<unsigned>(c), index, kept);
+  result.write(kChildren * i + static_cast<unsigned>(c), index, kept);
 }
 
 template <class Fields>
@@ -470,14 +471,14 @@ KeyList candidates_of(const Fields& fields, const KeyRange& range, std::uint64_t
     blocks = surviving_children(fields, blocks, level - 1, range, stream);
     check_kept(blocks.count, most);
   }
-  // A mark is a byte, a child in a list takes 17. With so many marks a child they take no longer
-  // than the sorting.
+  // Marks cost a byte per brick of the grid, to be cleared and read; a list costs 17 bytes per
+  // child and a sort. Up to this many marks per child, marking takes no longer than sorting.
   constexpr double marks_per_child = 64;
   double marks = 1;
   for (const std::int32_t bricks : bricks_of(fields)) marks *= bricks;
-  const bool few = marks <= marks_per_child * kChildren * static_cast<double>(blocks.count);
-  blocks = few ? marked_children(fields, blocks, range, stream)
-               : sorted_children(fields, blocks, range, stream);
+  const bool few_marks = marks <= marks_per_child * kChildren * static_cast<double>(blocks.count);
+  blocks = few_marks ? marked_children(fields, blocks, range, stream)
+                     : sorted_children(fields, blocks, range, stream);
   check_kept(blocks.count, most);
   return blocks;
 }
