@@ -28,15 +28,16 @@ namespace {
 using mesher::GatheredPatches;
 using mesher::GatherPlace;
 
-// Of a batch: as many patches as fill a device, and what they may take of its memory.
+// The most patches of a batch: as many as fill a device.
 constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
 
-// Memory that one batch leaves to the next, since the first write to a page costs more than the
-// others. Page-locked memory is not needed: upload_parts() and download_parts() go through some.
+// An array of the host that is used for one batch after another, since the first write to a page
+// costs more than the others. It need not be page-locked: upload_parts() and download_parts() copy
+// through page-locked memory of their own.
 template <class T>
 class KeptRoom {
  public:
-  // Uninitialised; what was there before is lost.
+  // An array of at least `count` elements, whose values are undefined.
   T* take(std::size_t count) {
     if (count > size_) {
       room_.reset();
@@ -77,7 +78,7 @@ void mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which, 
                 const Stream& stream) {
   const PatchBatch batch(jobs, which);
   const auto count = static_cast<std::uint32_t>(batch.patches().size());
-  if (count == 0) return;
+  if (count == 0) return;  // PatchBatch leaves out patches with very short edges
   std::byte* const input = room.input.take(batch.input_bytes());
   batch.pack(input);
   const DeviceArray<std::byte> device_input(batch.input_bytes(), stream),
@@ -128,7 +129,7 @@ void mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which, 
 std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
                                                    std::size_t most_bytes) {
   std::vector<std::vector<std::uint32_t>> batches;
-  std::size_t bytes = most_bytes;
+  std::size_t bytes = most_bytes;  // of the last batch; "full", so that the first job begins one
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
     const PatchSizes sizes = sizes_of(jobs[j]);
     if (!is_for_device(sizes)) continue;
@@ -145,6 +146,7 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
 
 class CudaPatchDevice final : public PatchDevice {
  public:
+  // With fewer patches the host is quicker. The number is an estimate.
   std::size_t least_jobs() const override { return 1024; }
 
   void mesh(std::span<PatchJob> jobs, Monitor* monitor) override {

@@ -10,7 +10,8 @@ namespace {
 
 constexpr unsigned kThreads = 64;
 
-// Grid: `per_warp` patches for each warp, on its first lanes.
+// Meshes one patch per thread, on the first `per_warp` lanes of each warp; 2 warps per thread
+// block, no shared memory. patches_per_warp() says why not all lanes have a patch.
 __global__ void __launch_bounds__(kThreads)
     mesh(const BoundedPatch* patches, std::uint32_t count, PatchMemory memory,
          PatchOutcome* outcomes, unsigned per_warp) {
@@ -25,7 +26,8 @@ __device__ void copy_by_warp(const T* from, std::uint32_t count, T* to, unsigned
   for (std::uint32_t k = lane; k < count; k += 32) to[k] = from[k];
 }
 
-// A warp for each patch.
+// Copies the results of each patch to its place behind those of the patches before it. A warp for
+// each patch; no shared memory.
 __global__ void gather(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
                        GatheredPatches to) {
   const std::uint64_t i = thread_index() / 32;
