@@ -37,7 +37,8 @@ __global__ void sum_blocks(const double* distances, Blocks blocks, DistanceSums*
   if (lane == 0) sums[block] = sum;
 }
 
-// Blocks of threads share the distances. Each counts in shared memory and then adds to `bins`.
+// Counts the distances in each bin. Thread blocks share the distances: each counts in kBins
+// counters of dynamic shared memory and then adds these to `bins`.
 __global__ void fill_bins(const double* distances, std::uint64_t count, unsigned long long* bins) {
   extern __shared__ std::uint32_t own[];
   for (std::uint32_t i = threadIdx.x; i < kBins; i += blockDim.x) own[i] = 0;

@@ -47,6 +47,7 @@ __global__ void make_keys(BoxTreeView tree, MortonKeys morton, BoxOf primitive_b
   keys[i] = morton.key(i, scaled(tree, middle(box)));
 }
 
+// Writes the primitives in the order of their sorted keys. A thread for each.
 __global__ void take_indices(MortonKeys morton, const std::uint64_t* keys, std::uint32_t count,
                              std::uint32_t* order) {
   const std::uint64_t i = thread_index();

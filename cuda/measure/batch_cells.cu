@@ -53,6 +53,7 @@ __global__ void survey_radii(DeviceBatch batch, RadiusSurvey* survey) {
   if (rejected != ~Bits{0}) atomicMin(&survey->rejected, rejected);
 }
 
+// Sets every extent to an empty one. A thread for each.
 __global__ void clear_extents(FrameExtent* extents, std::uint64_t count) {
   const std::uint64_t i = thread_index();
   if (i >= count) return;
@@ -82,9 +83,11 @@ __device__ int level_of(double radius, double least, int levels) {
   return min(max(octave, 0), levels - 1);
 }
 
-// A thread for each of kPerThread spheres, which stand 32 apart; a warp has consecutive ones. As
-// long as a warp's spheres are of one frame, it combines them before it touches memory.
+// Spheres that a thread of find_extents() takes. They stand 32 apart, so that the lanes of a warp
+// always read consecutive spheres.
 constexpr std::uint32_t kPerThread = 16;
+// The extent of a warp's spheres. As long as they are of one frame, the warp combines them before
+// it touches memory.
 class ExtentSum {
  public:
   __device__ explicit ExtentSum(FrameExtent* extents) : extents_(extents) { clear(); }
@@ -150,6 +153,8 @@ class ExtentSum {
   std::uint32_t count_;
 };
 
+// Widens the extent of each sphere's frame by the sphere. A warp takes 32 kPerThread consecutive
+// spheres. No shared memory.
 __global__ void find_extents(DeviceBatch batch, double least, int levels, FrameExtent* extents) {
   const std::uint64_t warp = thread_index() / 32;
   ExtentSum sum(extents);
@@ -206,6 +211,7 @@ __global__ void shape_frames(const FrameExtent* extents, std::uint32_t count, do
   frames[i].level = level;
 }
 
+// Writes the number of each frame's first cell. A thread for each frame.
 __global__ void number_cells(const std::uint64_t* first, std::uint32_t count, CellFrame* frames) {
   const std::uint64_t i = thread_index();
   if (i < count) frames[i].first_cell = static_cast<std::uint32_t>(first[i]);
@@ -230,6 +236,8 @@ __global__ void assign_cells(DeviceBatch batch, double least, int levels, const 
   atomicAdd(&counts[cell], 1u);
 }
 
+// Writes the spheres in the order of the list, and their sets if these are asked for. A thread for
+// each list place.
 __global__ void gather_spheres(DeviceBatch batch, const std::uint32_t* id, Sphere* spheres,
                                std::uint32_t* sets) {
   const std::uint64_t place = thread_index();

@@ -183,7 +183,8 @@ constexpr unsigned kWarpsPerBlock = 4;
 // save.
 constexpr unsigned kBlocksPerMultiprocessor = 6;
 
-// A warp for each ball.
+// A warp for each ball, 4 warps per thread block. Dynamic shared memory: a SmallRoom::Space for
+// each warp.
 __global__ void __launch_bounds__(32 * kWarpsPerBlock, kBlocksPerMultiprocessor)
     measure_all(BatchCellsView list, SphereMeasures* results, Leftovers too_large,
                 Leftovers doubtful) {
@@ -196,8 +197,8 @@ __global__ void __launch_bounds__(32 * kWarpsPerBlock, kBlocksPerMultiprocessor)
                            results, too_large, doubtful);
 }
 
-// Blocks of one warp, each for every so many of the listed balls. A ball that is too large even
-// here is left to the host.
+// Thread blocks of one warp take the listed balls in turns, every gridDim.x-th one. Dynamic shared
+// memory: a LargeRoom::Space. A ball that is too large even for that is left to the host.
 __global__ void __launch_bounds__(32) measure_large(BatchCellsView list, SphereMeasures* results,
                                                     Leftovers listed, Leftovers doubtful) {
   extern __shared__ __align__(16) unsigned char memory[];
