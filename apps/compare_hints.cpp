@@ -7,33 +7,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analysis/mesh_measures.hpp"
 #include "mesh/weld.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh::apps {
 namespace {
 
-// A mesh of the molecule is about as large as its spheres; these are far outside of that.
+// The diagonals of the boxes of a mesh and of its molecule's spheres are about equal. A ratio
+// outside of these limits is warned of.
 constexpr double kSmall = 0.5, kLarge = 2;
-// Of the diagonal of the spheres' box: how far apart the middles of the two boxes may be.
+// So is a distance between the middles of the two boxes above this share of the spheres' diagonal.
 constexpr double kAside = 0.25;
 
-// Of the vertices that triangles use: what no triangle names is no part of the surface.
+// The box of the triangles. Vertices that no triangle names are no part of the surface.
 Box box_of(const IndexedMesh& mesh) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  Box box = empty_box();
   for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle)
-      for (int axis = 0; axis < 3; ++axis) {
-        box.lower[axis] = std::min(box.lower[axis], mesh.positions[v][axis]);
-        box.upper[axis] = std::max(box.upper[axis], mesh.positions[v][axis]);
-      }
+    for (const std::uint32_t v : triangle) include(box, mesh.positions[v]);
   return box;
 }
 
-// What a ratio of sizes looks like; empty where it is that of no unit.
+// What a ratio of sizes suggests about the unit of the mesh, as the end of the warning.
 std::string unit_of(double ratio) {
   const auto about = [ratio](double unit) { return std::abs(std::log(ratio / unit)) < 0.3; };
   if (about(0.1)) return ": as if in nm; its coordinates times 10 would be Å";
@@ -44,7 +40,8 @@ std::string unit_of(double ratio) {
 
 }  // namespace
 
-// Only open meshes come here: a closed one is as its author meant it, whatever lies in one place.
+// The caller asks for open meshes alone. A closed mesh is taken as its author meant it, even if
+// vertices coincide.
 bool weld_if_that_closes(MeshFile& file, std::uint64_t memory_limit, Report& report) {
   const IndexedMesh& mesh = file.mesh;
   const std::uint64_t need =

@@ -90,7 +90,8 @@ std::string csv_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : std::string();
 }
 
-// Cells that a row does not have stay empty, as a figure does that was not computed.
+// Cells that a row does not have stay empty, as a figure does that was not computed. `columns` is
+// the first line of the table; its names choose the cells of each row.
 std::string csv_table(std::string_view columns, const std::vector<Cells>& rows) {
   std::string csv = std::string(columns) + '\n';
   for (const Cells& row : rows) {

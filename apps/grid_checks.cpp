@@ -8,7 +8,8 @@
 namespace vdwmesh::apps {
 namespace {
 
-// A ball holds a grid node for certain when the spacing is at most 2/√3 of its radius.
+// The radius of the smallest ball, as a spacing that would do: a ball is certain to hold a grid
+// node if the spacing is at most 2/√3 of its radius.
 double smallest_radius(const SphereSet& spheres) {
   const auto by_radius = [](const Sphere& a, const Sphere& b) { return a.radius < b.radius; };
   return std::ranges::min_element(spheres.spheres(), by_radius)->radius;
@@ -21,16 +22,17 @@ double smallest_radius(const SphereSet& spheres) {
 
 }  // namespace
 
-// A node may lie inside by chance where the spacing is larger than the molecule, and what is made
-// of it then is no surface; spacings beyond all digits of the coordinates do not even have nodes.
+// With a spacing larger than the molecule, a node may lie inside by chance, but the mesh around it
+// would not resemble the surface. If the spacing is so large that the coordinates vanish beside it,
+// there are not even different nodes.
 void require_sensible_spacing(const SphereSet& spheres, double spacing) {
   const Box box = bounding_box(spheres);
   const Vec3d size = box.upper - box.lower;
   if (spacing > std::max({size.x, size.y, size.z})) throw_too_coarse(spacing, spheres);
 }
 
-// A grid fine enough for the balls is not what lacks where a blended field stays below its
-// isovalue.
+// If the grid is fine enough for the smallest ball and a blended field still has no node inside,
+// the isovalue is too high.
 void require_triangles(std::uint64_t triangles, const SphereSet& spheres, double spacing,
                        const std::optional<double>& isovalue) {
   if (triangles > 0) return;

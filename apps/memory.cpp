@@ -85,7 +85,8 @@ PeakMemory::PeakMemory() {
   reset_ = file.good();
 }
 
-// The kernel keeps the high-water mark per process, so that of a part of a run needs a reset first.
+// The kernel keeps one high-water mark for the whole process. The peak of a part of a run is known
+// only if the mark was reset before that part.
 std::optional<std::uint64_t> PeakMemory::bytes() const {
   if (!reset_) return std::nullopt;
   std::ifstream file("/proc/self/status");
@@ -95,6 +96,7 @@ std::optional<std::uint64_t> PeakMemory::bytes() const {
   return std::nullopt;
 }
 
+// A fifth of the memory that is there is left free.
 std::uint64_t default_memory_limit(std::uint64_t processes) {
   const std::uint64_t least = std::min(available_memory().value_or(kNoMemoryLimit),
                                        cgroup_limit().value_or(kNoMemoryLimit));

@@ -1,6 +1,6 @@
-// Keeps account of the files that a command line names. Two names are one file where the system
-// says so, by whatever links, or where they would be the same once they are written; devices and
-// pipes may be named twice, because nothing is lost on them.
+// Keeps account of the files that a command line names. Two names are one file if the system says
+// so, which follows links. For files that do not exist yet, the paths that would be written are
+// compared. Devices and pipes may be named twice, because nothing is lost on them.
 #include "named_files.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file that is not there yet is compared by where its name leads.
 bool same_file(const fs::path& a, const fs::path& b) {
   if (a == "-" || b == "-") return a == b;
   if (is_written_directly(a)) return false;

@@ -1,5 +1,5 @@
-// The part of the report for people that is of a mesh: shape, quality, levels of a refinement, what
-// proves it, and distances to the exact surface.
+// The report on a mesh as text for people: shape, quality, levels of a refinement, what proves the
+// mesh, and distances to the exact surface.
 #include <cmath>
 #include <optional>
 #include <vector>

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kLeft = 32, kRight = 68;  // columns on the screen
 
-// Where the left column is too long, the meaning begins on the next line.
+// One entry of a list. If what is typed does not fit the left column, the meaning begins on the
+// next line.
 std::string entry(const std::string& typed, const std::string& meaning) {
   std::string text = typed + blanks(kLeft, typed);
   if (columns_of(typed) >= kLeft) text += '\n' + std::string(kLeft, ' ');
@@ -55,7 +56,7 @@ std::string meaning(const Option& option) {
   return is_shown ? fmt::format("{} [{}]", text, option.absence.text) : text;
 }
 
-// What has no name of its own is shown in the order in which it is typed.
+// Options without a name are told apart by their order, so the synopsis shows them one by one.
 std::string synopsis(const Program& program, const Verb& verb,
                      const std::vector<OptionGroup>& groups) {
   std::string text = fmt::format("{} {} [OPTION...]", program.usage_name, verb.name);

@@ -97,6 +97,7 @@ std::string pipeline_bench_csv(const PipelineBench& bench) {
   std::vector<Cells> rows;
   for (const PipelineCase& done : bench.cases) {
     for (const StageRow& stage : done.stages) {
+      // Both descriptions go into one row. The column "stage" is the member "name" of the stage.
       Cells& row = rows.emplace_back(csv_number);
       describe(row, done), describe(row, stage), row("stage", stage.name);
     }

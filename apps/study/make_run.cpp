@@ -44,7 +44,8 @@ StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const
                  : measure_distances(mesh, input.atoms, d, session).result;
     run.seconds.distances = watch.seconds();
   }
-  // As the setting alone has it: not with what the way there left in the mesh.
+  // The bytes of a mesh made for this setting alone. A mesh of a level on the way to a finer one
+  // has more arrays.
   run.memory.mesh =
       indexed_mesh_bytes({mesh.vertex_count(), mesh.triangle_count()},
                          {.labels = mesh.triangle_labels(),
@@ -70,16 +71,20 @@ class LevelRecorder {
       if (level > 0) run.seconds.refine = reached - extracted_;
       runs_.push_back(std::move(run));
     }
+    // What follows counts for the next level: its peak starts anew, and `reached` leaves out all
+    // the time that see() has taken so far.
     memory_ = {};
     observed_ = watch_.seconds() - reached;
   }
 
-  // What the pipeline itself says of its times; the last level's is its own watch's.
+  // Adds the times that the pipeline measured itself, and returns the runs. The time of refinement
+  // of the last level is the pipeline's as well; that of the levels before comes from `watch_`.
   std::vector<StudyRun> finish(const Timing& timing) && {
     for (StudyRun& run : runs_) {
       run.seconds.field = timing.field;
       run.seconds.extract = timing.extract;
-      if (run.setting == task_.setting) run.seconds.refine = timing.refine;
+      const bool is_last_level = run.setting == task_.setting;
+      if (is_last_level) run.seconds.refine = timing.refine;
       run.seconds.mesh = run.seconds.field.value_or(0) + run.seconds.extract.value_or(0) +
                          run.seconds.refine.value_or(0);
     }
@@ -94,7 +99,8 @@ class LevelRecorder {
   Stopwatch watch_;
   PeakMemory memory_;
   std::optional<std::uint64_t> peak_;
-  double observed_ = 0, extracted_ = 0;  // s
+  double observed_ = 0;   // s that see() has taken
+  double extracted_ = 0;  // s from the start to level 0
   std::vector<StudyRun> runs_;
 };
 

@@ -25,7 +25,8 @@ namespace {
 
 constexpr double kNoTimeLimit = std::numeric_limits<double>::infinity();
 
-// By the bits of the numbers: runs of other spheres are other runs, however close they are.
+// A hash of the bits of all coordinates and radii. Kept runs are found by it, so spheres that
+// differ in the last bit have runs of their own.
 std::string hash_of(const SphereSet& spheres) {
   std::string bytes(spheres.size() * 4 * sizeof(double), '\0');
   char* at = bytes.data();
@@ -61,6 +62,7 @@ StudyInput read_input(const InputOptions& options, ExactSurface surface,
     input.hash += fmt::format(" excluded {}", options.probe);
     measure_excluded(input.structure.molecule, options.probe, {}, Switch::off, session);
     input.excluded = std::move(session.report.excluded);
+    // Whoever reads area and volume from `exact` finds them there for either surface.
     input.exact.method = UnionMethod::cgal;
     input.exact.area = input.excluded->complete.area;
     input.exact.volume = input.excluded->complete.volume;
@@ -130,7 +132,7 @@ class Sweep {
     return plan_study(study_.options.axes, backends, areas);
   }
 
-  // Takes the levels that were kept off the task; true when none is left.
+  // Removes from the task the levels whose runs are in the store. Returns whether none is left.
   bool find_finished(StudyTask& task) {
     if (study_.options.resume == Switch::off) return false;
     std::erase_if(task.levels, [&](int level) {
@@ -144,6 +146,7 @@ class Sweep {
     return task.levels.empty();
   }
 
+  // Makes the deepest level that is left the target of the task, and estimates its cost anew.
   void retarget(StudyTask& task) const {
     task.setting = at_level(task.setting, task.levels.back());
     task.weight = study_weight(study_.findings[task.input].input.exact.area, task.setting);

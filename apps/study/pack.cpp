@@ -1,6 +1,5 @@
-// Packs bytes for the page of a study: deflated by zlib as browsers inflate it, then in base64,
-// which has no character that HTML takes for anything else. It is small enough that the page needs
-// no decoder of its own.
+// Packs bytes for the page of a study: compressed by zlib, then in base64, which has no character
+// that is special in HTML. Browsers have decoders of both, so the page needs none of its own.
 #include "study/pack.hpp"
 
 #include <zlib.h>
@@ -36,6 +35,7 @@ std::string base64(std::string_view bytes) {
       const auto byte = i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u;
       group = group << 8 | byte;
     }
+    // n bytes of a group fill n + 1 digits; '=' takes the place of the others.
     for (std::size_t k = 0; k < 4; ++k) {
       const bool padding = i + k > bytes.size();
       text += padding ? '=' : kDigits[group >> (18 - 6 * k) & 63];

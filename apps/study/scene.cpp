@@ -21,6 +21,7 @@
 #include "picture.hpp"
 #include "study/describe_study.hpp"
 #include "study/make_run.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -43,13 +44,8 @@ void append_planes(const std::vector<T>& values, std::string& bytes) {
 }
 
 Box box_of(const IndexedMesh& mesh) {
-  Box box{mesh.positions[0], mesh.positions[0]};
-  for (const Vec3d& p : mesh.positions) {
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lower[axis] = std::min(box.lower[axis], p[axis]);
-      box.upper[axis] = std::max(box.upper[axis], p[axis]);
-    }
-  }
+  Box box = empty_box();
+  for (const Vec3d& p : mesh.positions) include(box, p);
   return box;
 }
 

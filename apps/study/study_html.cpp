@@ -37,8 +37,8 @@ std::string_view without_source_map(std::string_view script) {
   return script.substr(0, script.find("//# sourceMappingURL"));
 }
 
-// What an HTML parser would take for the end of the script, or for its escaped beginning, stands in
-// none of the libraries; if a new version brings it, the page would break.
+// Throws if a script holds what an HTML parser takes for the end of a script or the beginning of a
+// comment in it, because the page would break. No library holds it now, but a new version may.
 void check_script(std::string_view script) {
   for (const char* mark : {"</script", "<!--"}) {
     if (script.find(mark) != std::string_view::npos) {

@@ -178,7 +178,7 @@ class Bench {
     }
   }
 
-  // The first use of a device takes time of its own, which is nobody's.
+  // The first use of a device takes longer. A run before the first row keeps that out of all rows.
   void fill_cuda(ThesisBenchRow& row, const SphereSet& spheres, const Work& work) {
     if (!std::exchange(cuda_is_warm_, true)) time_ours(spheres, work, Backend::cuda, 1);
     const Timed timed = time_ours(spheres, work, Backend::cuda, options_.repeats);
