@@ -268,8 +268,8 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
         // Along each axis, the first cell that both patches touch is the first cell of one of them.
         if ((here.begins[i] | here.begins[j]) != kAllAxes) continue;
         // A plane through an edge of either patch may keep them apart.
-        if (outline.template shuts_out<kVertices>(here.outlines[j])) continue;
-        if (here.outlines[j].template shuts_out<kVertices>(outline)) continue;
+        if (outline.template keeps_out<kVertices>(here.outlines[j])) continue;
+        if (here.outlines[j].template keeps_out<kVertices>(outline)) continue;
         any |= mark_pair(gathered(i), gathered(j));
       }
     }

@@ -1,14 +1,14 @@
-// Midpoints of a mesh whose triangles say on which smooth piece of the surface they lie, and whose
-// edges follow the curves in which pieces meet. A midpoint is put on the pieces of the two
-// triangles at its edge: on their piece if it is one, else on their curve. No midpoint can be drawn
-// to a wrong piece, so bad moves are not looked for. A triangle that is turned nevertheless,
-// because the mesh is too coarse there, is only counted.
+// Midpoints of a mesh whose triangles are labelled with the smooth piece of the surface on which
+// they lie, and whose edges follow the curves in which pieces meet. If both triangles at an edge
+// have the same piece, the midpoint is put on that piece, otherwise on the curve in which their two
+// pieces meet. No midpoint can move to a wrong piece, so no search for bad moves is made. A
+// triangle may be turned nevertheless if the mesh is too coarse there; it is only counted.
 //
-// Which pieces there are, spheres alone (level.cpp) or patches of all kinds (patch_refiner.cpp), is
-// said by a Constraint with these members:
+// A Constraint knows the pieces: spheres alone (level.cpp) or patches of all kinds
+// (patch_refiner.cpp). It has these members:
 //   Pieces                     the pieces at an edge
 //   projects()                 false: midpoints stay in the middle of their edges
-//   pieces(parent, t, other)   those of two triangles of the parent, which may be the same
+//   pieces(parent, t, other)   the pieces at the edge between two triangles of the parent
 //   midpoint(pieces, u, v)     where the midpoint of an edge from u to v goes
 //   residual(pieces, p)        the largest distance (Å) of p from the pieces
 //   label(pieces, p)           the label of a midpoint at p
@@ -36,7 +36,7 @@ void make_midpoint_of(const Constraint& constraint, const Midpoints& level, std:
   if (constraint.projects()) count_residual(constraint.residual(pieces, p), stats);
 }
 
-// Makes all midpoints of the level's mesh, which make_children() has made room for.
+// Makes all midpoints of the level's mesh. Precondition: make_children() has resized its arrays.
 template <class Constraint>
 ProjectionStats constrain_midpoints(const Constraint& constraint, const Midpoints& level,
                                     IndexedMesh& mesh, Monitor* monitor) {

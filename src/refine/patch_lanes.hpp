@@ -1,15 +1,15 @@
 // The triangles of a patch side by side, for tests of one triangle against all of them at once.
 //
-// Arrays are by axis and lane, lane t for triangle t of the patch (core/lanes.hpp). The tests leave
-// out only pairs that triangles_cross() in crossing_formulas.hpp does not find either: those that
-// share an edge, those of one atom that share a vertex, and those of which no edge has its ends
-// strictly on different sides of the other triangle's plane.
+// Arrays are by axis and lane, lane t for triangle t of the patch (core/lanes.hpp). A test may
+// leave out a pair of triangles only if triangles_cross() in crossing_formulas.hpp finds no
+// crossing either. Left out are pairs that share an edge, pairs of one atom that share a vertex,
+// and pairs in which neither triangle has corners strictly on both sides of the other's plane.
 //
-// That function counts a side n · w only if it is beyond 16 ε M, where M is at least Σ |n_i w_i|
-// and ε = 2^-53. It adds with fused multiply-adds; here the same n and w are multiplied and added
-// one by one. Either sum is within 3 ε Σ |n_i w_i| (1 + 3 ε) of the exact one, so a side that
-// counts there is beyond 9 ε Σ |n_i w_i| here, with the same sign. A corner counts here from 4 ε of
-// that sum on.
+// Why rounding loses no pair: triangles_cross() takes a corner to be on a side of a plane only if
+// the side n · w exceeds 16 ε M, where M is at least S = Σ |n_i w_i| and ε = 2^-53. It adds with
+// fused multiply-adds; here the same n and w are multiplied and added one by one. Either sum is
+// within 3 ε S (1 + 3 ε) of the exact one, so a side that counts there exceeds 9 ε S here, with the
+// same sign. Here a side counts from 4 ε S on.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@
 
 namespace vdwmesh {
 
-// A triangle of a mesh. `atom` is that of all its vertices, or kNoSphere.
+// A triangle of a mesh. `atom` is the atom that all its vertices have in common, or kNoSphere.
 struct PatchTriangle {
   std::array<std::uint32_t, 3> vertex;
   std::array<Vec3d, 3> corner;
@@ -51,7 +51,7 @@ class PatchLanes {
  private:
   static constexpr std::int64_t kNoAtom = -1;
   struct Straddling {
-    LaneBits above, below;  // whether a corner is above, or below
+    LaneBits above, below;  // whether some corner was found above, or below
     void add(const Lanes (&plane)[3], const Lanes (&base)[3], const Lanes (&p)[3]);
   };
 
@@ -95,7 +95,8 @@ VDWMESH_INLINE std::uint32_t PatchLanes::overlapping(const PatchLanes& other,
   return bits_of(all);
 }
 
-// Adds the sides of the points p of a plane through `base` with the normal `plane`.
+// Notes in each lane on which side of a plane point p lies. The plane goes through `base` and has
+// the normal `plane`.
 VDWMESH_INLINE void PatchLanes::Straddling::add(const Lanes (&plane)[3], const Lanes (&base)[3],
                                                 const Lanes (&p)[3]) {
   constexpr double kRounding = 0x1p-51, kUnderflow = 0x1p-1010;
@@ -120,7 +121,7 @@ VDWMESH_INLINE std::uint32_t PatchLanes::may_cross(const PatchLanes& other,
   }
   const LaneBits none = all_bits(0);
   Straddling of_plane{none, none}, of_own_plane{none, none};
-  LaneBits shared = none;  // minus the number of vertices of the other that are shared
+  LaneBits shared = none;  // minus the number of shared vertices, because true is -1 in a lane
   for (std::size_t k = 0; k < 3; ++k) {
     Lanes p[3], own[3];
     for (int axis = 0; axis < 3; ++axis) {

@@ -98,7 +98,7 @@ TEST(PatchOutline, ShutsOutNoPatchThatCrosses) {
     PatchOutline of_a, of_b;
     of_a.set(a.vertex, a.position, 6);
     of_b.set(b.vertex, b.position, 6);
-    const bool is_apart = of_a.shuts_out<6>(of_b) || of_b.shuts_out<6>(of_a);
+    const bool is_apart = of_a.keeps_out<6>(of_b) || of_b.keeps_out<6>(of_a);
     const bool cross = any_cross(a, b, false);
     ASSERT_FALSE(is_apart && cross) << round;
     const bool shares = std::ranges::any_of(
@@ -128,8 +128,8 @@ TEST(PatchOutline, KeepsTrianglesApartUpToARightAngle) {
     PatchOutline a, b;
     a.set(std::array<std::uint32_t, 3>{0, 1, 2}, one, 1);
     b.set(std::array<std::uint32_t, 3>{1, 0, 3}, other, 1);
-    EXPECT_EQ(a.shuts_out<3>(b), degrees < 90) << degrees;
-    EXPECT_EQ(b.shuts_out<3>(a), degrees < 90) << degrees;
+    EXPECT_EQ(a.keeps_out<3>(b), degrees < 90) << degrees;
+    EXPECT_EQ(b.keeps_out<3>(a), degrees < 90) << degrees;
   }
 }
 
