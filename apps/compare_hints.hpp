@@ -1,4 +1,4 @@
-// What a mesh of another program and a molecule may have between them.
+// What is commonly wrong if a mesh of another program and its molecule do not fit.
 #pragma once
 
 #include "mesh/mesh_io.hpp"
@@ -8,9 +8,9 @@
 
 namespace vdwmesh::apps {
 
-// Merges vertices in one place where that closes an open mesh, and notes it; where it does not, a
-// warning says that there are such vertices. True where the mesh changed. Nothing is tried that
-// needs more than memory_limit bytes.
+// Merges vertices with the same coordinates if that closes an open mesh, and notes it. If it does
+// not, warns that there are such vertices. Returns whether the mesh was changed. Does nothing if
+// merging would need more than memory_limit bytes.
 bool weld_if_that_closes(MeshFile& file, std::uint64_t memory_limit, Report& report);
 
 // Warns of a mesh that is much larger or smaller than the spheres, or lies elsewhere.

@@ -9,17 +9,20 @@
 
 namespace vdwmesh::apps {
 
-// The exact union; `measured` as in UnionOptions.
+// Measures the union exactly. `measured` has the meaning of UnionOptions::measured.
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
                      const std::optional<std::vector<SphereId>>& measured = std::nullopt);
 
-// Writes the table of voids where --voids asked for it; the exact union must be in the report.
+// Writes the table of voids if --voids names a file. Precondition: the exact union is in the
+// report.
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session);
 
-// The polar and apolar parts of the exact area, which must be in the report.
+// Adds the polar and apolar parts of the exact area. Precondition: the exact union is in the
+// report.
 void measure_polarity(const Molecule& molecule, Session& session);
 
-// Which backend measures distances of a mesh, and if the choice is automatic and the CPU does, why.
+// The backend that measures the distances of a mesh. If the choice is automatic and falls on the
+// CPU, `reason` says why.
 struct DistanceBackend {
   Backend backend;
   std::optional<std::string> reason;
@@ -29,23 +32,27 @@ DistanceBackend choose_for_distances(std::uint64_t triangles, const Session& ses
 MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                     const DistanceChoice& choice, const Session& session);
 
-// The signed distance of the centre of each triangle to the boundary of the union, Å; or to the
-// excluded surface, if the report has that. Then the spheres are the atoms without the probe.
+// Returns the signed distance (Å) of the centre of each triangle to the boundary of the union. If
+// the report has an excluded surface, the distances are to that, and `spheres` must be the atoms
+// without the probe.
 std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& spheres,
                                    Session& session);
 
-// Mesh beside exact union, which both must be in the report, and the distances between them.
+// Compares the mesh with the exact union and measures the distances between them. Precondition:
+// both are in the report.
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, Session& session);
 
-// What proves a crease-exact mesh: topology, areas of atoms and extrapolated figures beside the
-// exact ones. Mesh, exact union and comparison must be in the report. Other meshes have none.
+// Adds what proves a crease-exact mesh: its topology, its areas of atoms and its extrapolated
+// figures beside the exact ones. Does nothing for other meshes. Precondition: mesh, exact union and
+// comparison are in the report.
 void prove(const IndexedMesh& mesh, const Molecule& molecule, Session& session);
 
-// Warns of balls that the mesh lacks, or has joined to others, where no exact union was made: the
-// pieces of the union are counted by the pairs of balls that overlap.
+// Warns if the mesh has fewer pieces than the union, because it lacks balls or has joined some to
+// others. Serves runs without an exact union: the pieces are counted from the pairs of balls that
+// overlap.
 void warn_of_lost_balls(const SphereSet& spheres, Session& session);
-// The same, for a union whose pieces have been counted.
+// The same for a union whose number of pieces is known.
 void warn_of_lost_balls(std::uint64_t pieces, Session& session);
 
 }  // namespace vdwmesh::apps

@@ -1,5 +1,5 @@
-// The steps of the verbs that have to do with the solvent-excluded surface; steps.hpp has all
-// others.
+// The steps of the verbs that deal with the solvent-excluded surface. steps.hpp and exact_steps.hpp
+// have those of other surfaces. Each fills its part of the report.
 #pragma once
 
 #include "memory_plan.hpp"
@@ -9,7 +9,7 @@
 
 namespace vdwmesh::apps {
 
-// The excluded surface of the atoms, with the shares of atoms if `per_atom` is set.
+// Measures the excluded surface of the atoms, and the share of each atom if `per_atom` is on.
 void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
                       Switch per_atom, Session& session);
 
@@ -17,14 +17,14 @@ void measure_excluded(const Molecule& molecule, double probe, const ExactOptions
 void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per_atom,
                               Session& session);
 
-// Its mesh, subdivided as often as `surface` says. The observer may be empty. Throws as
-// mesh_excluded() and refine_patches() do.
+// Makes a mesh of the excluded surface and subdivides it as often as `surface` says. The observer
+// may be empty. Throws as mesh_excluded() and refine_patches() do.
 PatchedMesh make_excluded_mesh(const Molecule& molecule, double probe,
                                const SurfaceOptions& surface, Session& session,
                                const LevelObserver& on_level = {});
 
-// Of the triangles of each kind, contact, saddle and concave: how many and what area, beside the
-// number of patches.
+// For each kind of patch (contact, saddle, concave): the number of patches, and the number and the
+// area of their triangles.
 PatchReport count_patches(const PatchedMesh& mesh);
 
 // A picture of the mesh, with sharp creases. Colours show elements unless the options say
@@ -32,22 +32,23 @@ PatchReport count_patches(const PatchedMesh& mesh);
 void draw_excluded(const PatchedMesh& mesh, const Molecule& molecule, const PictureOptions& options,
                    Session& session);
 
-// What goes before a mesh of the excluded surface: checks the memory of the measures, measures the
-// surface, whose area says how large the mesh will be, and checks the memory of the mesh and of
-// what follows it, as check_memory() does. Returns the estimate.
+// Does what precedes a mesh of the excluded surface: checks the memory of the measures, measures
+// the surface, and checks the memory of the mesh and of the stages after it as check_memory() does.
+// The size of the mesh is estimated from the measured area. Returns the estimate of memory.
 std::uint64_t plan_excluded_mesh(const Structure& structure, double probe,
                                  const ExactOptions& exact, Switch per_atom, MemoryDemand& demand,
                                  Session& session);
 
-// Mesh beside exact surface, which both must be in the report, and the distances between them.
-// `atoms` are without the probe.
+// Compares the mesh with the exact surface and measures the distances between them. `atoms` are
+// without the probe. Precondition: both are in the report.
 void compare_with_excluded(const IndexedMesh& mesh, const SphereSet& atoms,
                            const DistanceChoice& choice, Session& session);
 
-// What proves a mesh of our own. Mesh, exact surface and comparison must be in the report.
+// Adds what proves a mesh that this program made. Precondition: mesh, exact surface and comparison
+// are in the report.
 void prove_excluded(Session& session);
 
-// Writes the shares of atoms where --per-atom asked for them; they must be in the report.
+// Writes the shares of atoms if --per-atom names a file. Precondition: they are in the report.
 void write_excluded_atoms(const OutputOptions& output, const Molecule& molecule,
                           VerbSession& session);
 

@@ -1,4 +1,5 @@
-// What a run will need, stage by stage, asked before it begins and again when the mesh is there.
+// Estimates the memory that a run needs, stage by stage: before it begins, and again when the size
+// of the mesh is known.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +13,19 @@
 
 namespace vdwmesh::apps {
 
-// What is done with the mesh, and beside it.
+// What a run does, as far as its memory depends on it.
 struct MemoryDemand {
   std::uint64_t spheres = 0;
-  double area = 0;                        // Å² of the union, about
-  double exposed = 1;                     // that part of the spheres' own area
-  std::optional<SurfaceOptions> surface;  // empty: no mesh is made here
-  Backend backend = Backend::cpu;         // that makes it
+  double area = 0;                        // Å² of the union, estimated
+  double exposed = 1;                     // `area` as a share of the area of all whole spheres
+  std::optional<SurfaceOptions> surface;  // empty: no mesh is made
+  Backend backend = Backend::cpu;         // that makes the mesh
   Connectivity connectivity = Connectivity::triangles;
   Normals normals = Normals::gradients;
-  MeshSize mesh;                            // of the finished mesh, where it is known
-  std::optional<std::uint64_t> mesh_bytes;  // of one that is not made here, where it is known
-  Switch build = Switch::off;               // OpenMesh
-  Switch early = Switch::off;               // room for it is made before the mesh is measured
+  MeshSize mesh;                            // of the finished mesh, once it is known
+  std::optional<std::uint64_t> mesh_bytes;  // of a mesh that was read from a file
+  Switch build = Switch::off;               // an OpenMesh mesh is built
+  Switch early = Switch::off;               // its memory is taken before the mesh is measured
   Switch measures = Switch::on;
   SelfIntersections self_intersections = SelfIntersections::skip;
   CgalCheck cgal_check = CgalCheck::skip;
@@ -32,15 +33,15 @@ struct MemoryDemand {
   Switch distances = Switch::off;
 };
 
-// The method whose memory the exact measures take: a certificate, and the excluded surface, have
-// the triangulation as well.
+// The method whose memory the exact measures take. A certificate and the excluded surface need the
+// triangulation even if the measures come from arcs.
 inline UnionMethod method_for_memory(const ExactOptions& exact) {
   const bool triangulates = exact.certify == Switch::on || exact.surface == ExactSurface::excluded;
   const bool more = triangulates && exact.method == UnionMethod::arcs;
   return more ? UnionMethod::both : exact.method;
 }
 
-// Room of the labels of vertices that make_mesh() gives.
+// The width of the vertex labels of the mesh that make_mesh() makes.
 LabelWidth label_width(const SurfaceOptions& surface);
 
 struct MemoryNeed {
@@ -49,23 +50,23 @@ struct MemoryNeed {
   std::uint64_t triangles = 0;  // of the finished mesh
 };
 
-// The stage that needs the most. Where the mesh is not known yet, its size follows from the area:
-// good to a few per cent for vdw, to about ten for the blended fields.
+// Returns the stage that needs the most memory. If the size of the mesh is not known yet, it is
+// estimated from the area, to a few per cent for vdw and to about ten for the blended fields.
 MemoryNeed estimate_memory(const MemoryDemand& demand);
 
-// Throws LimitExceeded when it is more than `limit` bytes: names stage, bytes, and the options that
-// would fit. Returns the bytes.
+// Returns the bytes of that stage. Throws LimitExceeded if they exceed `limit`; the message names
+// the stage, the bytes, and options that would fit.
 std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit);
 
-// The same before anything is made. Fills in what `demand` has of the spheres if a mesh is made or
-// memory is scarce, and gives `early` up where it would take too much.
+// The same before the first stage. Sets the members of `demand` that describe the spheres, if a
+// mesh is made or memory is scarce. Switches `early` off if it would need too much.
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit);
 
-// Whether the mesh, whose size is known now, leaves what `early` takes.
+// Whether a mesh of this size leaves enough memory for `early`.
 bool early_build_fits(const MemoryDemand& demand, const MeshSize& mesh, std::uint64_t limit);
 
-// The same for what follows a mesh that is there.
+// check_memory() for the stages that follow a mesh that has been made.
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,
                         std::uint64_t limit);
 

@@ -17,8 +17,8 @@ namespace vdwmesh::apps {
 // Whether a line is wanted: asked for, or standard error is a terminal.
 bool shows_progress(Progress progress);
 
-// Draws at every stage, and at most ten times a second in between. What the line says is told by
-// those who inherit. It goes when the object goes.
+// Draws the line at the beginning of every stage, and at most ten times a second in between.
+// Derived classes define the text of the line. The destructor removes the line.
 class ProgressLine : public Monitor {
  public:
   enum class Line { shown, hidden };
@@ -30,7 +30,7 @@ class ProgressLine : public Monitor {
 
  protected:
   virtual std::string text() const = 0;
-  void draw();  // mutex_ is locked
+  void draw();  // precondition: mutex_ is locked
 
   std::mutex mutex_;
   std::string stage_;
@@ -42,7 +42,7 @@ class ProgressLine : public Monitor {
   std::chrono::steady_clock::time_point next_draw_{};
 };
 
-// A bar where one is wanted, else null.
+// Returns a progress bar if shows_progress() says that one is wanted, else null.
 std::unique_ptr<Monitor> make_progress(Progress progress);
 
 }  // namespace vdwmesh::apps

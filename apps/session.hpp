@@ -1,4 +1,4 @@
-// What the steps of a run share, so that each is handed one thing.
+// What the steps of a run share, as one argument: machine, progress, report and clock.
 #pragma once
 
 #include <tbb/global_control.h>
@@ -16,33 +16,33 @@
 
 namespace vdwmesh::apps {
 
-// The machine that steps may use, whom they tell how far they are, and where they write what they
-// found out. Sweeps and benchmarks have one for every run.
+// The machine that steps may use, the monitor to which they report progress, and the report into
+// which they write their results. Sweeps and benchmarks have a session for every run.
 struct Session {
   MachineOptions machine;
   Monitor* monitor = nullptr;  // may be null
   Report report;
   LapClock clock = {};
 
-  // What ran since the last call belongs to this stage.
+  // Ends a stage: adds to it the time since the stage before ended.
   void end_stage(Timing::Stage Timing::*stage) { add(report.timing.*stage, clock.lap()); }
 };
 
-// The session of a verb: it has the threads and the progress bar that the command line allows for
-// as long as it lives, and measures the time.
+// The session of a verb. While the object lives, the number of threads is limited and the progress
+// bar is shown as the command line says. The clock starts with the object.
 class VerbSession : public Session {
  public:
   explicit VerbSession(const MachineOptions& options);
 
-  // Takes the bar off the terminal, which has to be done before text is printed.
+  // Removes the bar from the terminal. To be called before text is printed.
   void end_progress();
   // Adds the warnings that the figures call for and the total time, prints the report and writes
   // its JSON where asked for.
   void deliver_report(const OutputOptions& output);
   // Ends the last stage. The time since the session began is the total of the report.
   void stop_watch();
-  // Prints the text where it is wanted, which is not where other output takes its place; else the
-  // warnings go to standard error.
+  // Prints the text to standard output. If --quiet was given, or if standard output gets data
+  // instead (a file named "-"), prints only the warnings, to standard error.
   void deliver_text(const OutputOptions& output, const std::function<std::string()>& text) const;
 
  private:
@@ -50,7 +50,7 @@ class VerbSession : public Session {
   std::unique_ptr<Monitor> progress_;
 };
 
-// One line each on standard error.
+// Prints each warning as one line on standard error.
 void print_warnings(const std::vector<std::string>& warnings);
 
 }  // namespace vdwmesh::apps

@@ -1,5 +1,5 @@
-// Finished runs of a study, each in a file of its own that appears whole or not at all: JSON, with
-// everything that the run depends on beside it.
+// Keeps the finished runs of a study, each in a JSON file of its own with everything that the run
+// depends on. A file appears complete or not at all.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,11 @@
 
 namespace vdwmesh::apps {
 
-// Everything that a run depends on, the program included.
+// Everything that a run depends on; the store adds the program itself.
 struct RunKey {
   std::string spheres;  // their hash
   StudySetting setting;
-  std::optional<double> samples = {};  // per Å²; none without distances, like the seed
+  std::optional<double> samples = {};  // per Å²; this and the seed are empty without distances
   std::optional<std::uint64_t> seed = {};
   int self_intersections;
   std::optional<std::string> device;
@@ -27,10 +27,12 @@ std::string hash_text(std::string_view bytes);
 
 class StudyStore {
  public:
-  // Makes the folder where it is not there; what it is in must be. Throws InvalidInput.
+  // Makes the folder if it does not exist. Throws InvalidInput if that fails: its parent must
+  // exist.
   explicit StudyStore(const std::filesystem::path& folder);
 
-  // The run kept under exactly this key. A file that is damaged or of another key counts as none.
+  // The run kept under exactly this key; empty if there is none, or if its file is damaged or
+  // belongs to another key.
   std::optional<StudyRun> find(const RunKey& key) const;
   void keep(const RunKey& key, const StudyRun& run) const;
 
