@@ -9,8 +9,8 @@
 
 namespace vdwmesh {
 
-// Corner 2 f + s is the corner on side s (0 or 1) of triangle f of the complex; that side is
-// exposed.
+// Corner 2 f + s lies on side s (0 or 1) of triangle f of the complex. Only exposed sides have
+// corners.
 using CornerIndex = std::uint64_t;
 inline constexpr CornerIndex kNoCorner = ~CornerIndex{0};
 
@@ -26,8 +26,9 @@ struct ExposedArc {
 std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
                                      const DualComplex& complex);
 
-// The corner at which the next exposed arc of an edge's circle begins, behind the corner at which
-// an arc of it ends. It is the start of the same arc if the circle has no other.
+// Given the corner at which an exposed arc of an edge's circle ends: the corner at which the next
+// exposed arc of the circle begins, counter-clockwise. It is the start of the same arc if the
+// circle has no other.
 CornerIndex next_start(const PowerTriangulation& triangulation, const DualComplex& complex,
                        std::uint32_t edge, CornerIndex end);
 

@@ -38,7 +38,7 @@ struct PatchMesh {
 };
 
 // The points of mesh_sphere() without triangles, in another order, as unit vectors. Patches of a
-// molecule have few different edge lengths, so the points of some are kept.
+// molecule have few different edge lengths, so the points for some of them are cached.
 class SpherePoints {
  public:
   // How many parts an edge of the icosahedron is divided into. The points follow from it.
@@ -51,7 +51,7 @@ class SpherePoints {
     std::uint32_t parts = 0;
     std::vector<Vec3d> points;
   };
-  std::array<Kept, 8> kept_;  // by the last digit of the number of parts of an edge
+  std::array<Kept, 8> kept_;  // by the number of parts of an edge, modulo 8; the last one stays
 };
 
 // A patch between two rounds of meshing: its boundary, and the triangulation of the boundary in the
@@ -66,13 +66,13 @@ struct PatchProgress {
 
 // Memory for meshing one patch at a time, kept for the next one.
 struct PatchScratch : PatchWork<GrowingMemory> {
-  SpherePoints lattice;
+  SpherePoints lattice;  // candidates for the interior points of a patch
   std::vector<PlanePoint> plane_points;
 };
 
-// Meshes a patch. In the triangles that it returns, every triangle faces outwards. No edge joins
-// two points of one circle unless it is a piece of the boundary, so triangles of different spheres
-// meet only along pieces and at corners (docs/exact_mesh.md says why).
+// Meshes a patch. Every triangle of the result faces outwards. No edge joins two points of one
+// circle unless it is a piece of the boundary, so triangles of different spheres meet only along
+// pieces and at corners (docs/exact_mesh.md says why).
 //
 // `progress` needs a boundary and may come from an earlier round; it is brought up to date for the
 // next one. Vertices of triangles are numbered as the points of this boundary.
