@@ -5,9 +5,9 @@
 // are short or lie on a tiny circle are left out here; the ends of such an arc are noted as one
 // point. (2) Circles of one ball that touch get a common corner (touching_arcs.cpp). (3) Pairs of
 // corners of one ball that coincide within FeatureSizes::arc are noted as one point. (4) Union-find
-// merges all corners that were noted as one point. Arcs that only this makes points, because their
-// ends lay a little farther apart, are removed. (5) Patches without width are closed until there is
-// none left.
+// merges all corners that were noted as one point. This may merge the two ends of a further short
+// arc, which was a little too long to be left out in step (1); such arcs are removed. (5) Patches
+// without width are closed until there is none left.
 #include "arrangement/mesher/boundary_arcs.hpp"
 
 #include <tbb/parallel_sort.h>
@@ -105,7 +105,8 @@ class BoundaryBuilder {
                     0,
                     std::sqrt(shape.squared_circle_radius)};
     // On a circle as small as this, the positions of two corners may not give the angle between
-    // them. The limit is wider than that of is_contact(), by which leave_out() decides.
+    // them. kSmallCircle is a ratio of squared radii. It leaves more room than is_contact(), by
+    // which leave_out() decides.
     const bool small =
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
@@ -171,17 +172,17 @@ class BoundaryBuilder {
   // the patch is meshed. A ball has few corners as a rule, so all its pairs are compared.
   void find_coincident_corners() {
     using Pair = std::array<std::uint32_t, 2>;
-    std::vector<Pair> places;  // entries (ball, corner on its sphere)
-    places.reserve(3 * out_.corners.size());
+    std::vector<Pair> listed;  // entries (ball, corner on its sphere), after sorting ball by ball
+    listed.reserve(3 * out_.corners.size());
     for (std::uint32_t c = 0; c < out_.corners.size(); ++c) {
-      for (const std::uint32_t b : out_.corners[c].balls) places.push_back({b, c});
+      for (const std::uint32_t b : out_.corners[c].balls) listed.push_back({b, c});
     }
-    tbb::parallel_sort(places.begin(), places.end());
-    const auto coincident = collect<Pair>(places.size(), [&](std::size_t i, auto& found) {
-      const double reach = out_.sizes.arc * ball(places[i][0]).radius;
-      for (std::size_t j = i + 1; j < places.size() && places[j][0] == places[i][0]; ++j) {
-        const Vec3d gap = out_.corners[places[j][1]].position - out_.corners[places[i][1]].position;
-        if (squared_norm(gap) <= reach * reach) found.push_back({places[i][1], places[j][1]});
+    tbb::parallel_sort(listed.begin(), listed.end());
+    const auto coincident = collect<Pair>(listed.size(), [&](std::size_t i, auto& found) {
+      const double reach = out_.sizes.arc * ball(listed[i][0]).radius;
+      for (std::size_t j = i + 1; j < listed.size() && listed[j][0] == listed[i][0]; ++j) {
+        const Vec3d gap = out_.corners[listed[j][1]].position - out_.corners[listed[i][1]].position;
+        if (squared_norm(gap) <= reach * reach) found.push_back({listed[i][1], listed[j][1]});
       }
     });
     joined_.insert(joined_.end(), coincident.begin(), coincident.end());
@@ -198,9 +199,9 @@ class BoundaryBuilder {
     return arc.sweep * arc.radius <= kJoinAllowance * reach;
   }
 
-  // Gives touching circles a common corner. This may cut arcs, append corners, and return pairs of
-  // corners that are one point. If corners were appended or pairs returned, more than three spheres
-  // may pass through a corner.
+  // Gives touching circles a common corner. join_touching_arcs() cuts arcs and appends corners for
+  // this, and returns pairs of corners that are one point. If it did either, more than three
+  // spheres may pass through a corner (has_joined_corners).
   void find_touching_arcs() {
     const std::size_t corners = out_.corners.size();  // before
     const auto joined = join_touching_arcs(t_, out_);
