@@ -19,6 +19,10 @@
 
 namespace vdwmesh::apps {
 
+// Spheres of atoms come from to_spheres(molecule, 0) in this file: with their own radii, because
+// the functions of the excluded surface take the probe as an argument and grow the atoms
+// themselves.
+
 void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
                       Switch per_atom, Session& session) {
   ExcludedOptions wanted{.probe = probe, .monitor = session.monitor};
@@ -52,7 +56,8 @@ void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per
   s.accessible_volume = t.accessible_volume;
   s.euler_characteristic = t.euler_characteristic;
   s.counts = t.counts;
-  s.checks = {t.closure, t.check_volume, found.host_patches, 0, t.uncertified_patches};
+  // Ties among the decisions of the host are not counted here.
+  s.checks = {t.closure, t.check_volume, found.host_patches, /*ties=*/0, t.uncertified_patches};
   if (per_atom == Switch::on) s.per_atom = std::move(found.per_atom);
   report.note(
       "on cuda, the complete surface without its shells; the CPU decided about {} balls, {} "
