@@ -19,7 +19,8 @@
 namespace vdwmesh::apps {
 namespace {
 
-// All but the atoms, which are put aside for the while and not copied.
+// Returns the report of the input: a copy of all members of the molecule but its atoms. The atoms
+// are moved out while the copy is made, and then put back.
 InputReport input_of(Molecule& molecule, const InputOptions& options) {
   std::vector<Atom> atoms = std::exchange(molecule.atoms, {});
   InputReport input{molecule, atoms.size(), options.probe, std::nullopt, 0};
@@ -34,7 +35,8 @@ int cpu_threads() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-// How many devices make a mesh; only an extraction is shared among several.
+// Returns how many devices make a mesh, and notes in the report if these are fewer than were asked
+// for. Only an extraction is shared among several devices.
 int devices_for(const SurfaceOptions& surface, Session& session) {
   const MachineOptions& machine = session.machine;
   Report& report = session.report;
@@ -88,7 +90,8 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   return std::move(result.mesh);
 }
 
-// What is too small for coordinates becomes a point, which may change the topology.
+// Notes if the mesh has another topology than the union. The mesher makes points of arcs and
+// circles that are too small to have different coordinates, which may change the topology.
 void note_other_topology(const ExactMeshStats& s, Report& report) {
   if (s.euler_difference == 0 && s.shell_difference == 0) return;
   report.notes.push_back(
@@ -225,13 +228,15 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
   IndexedMesh mesh = surface.mesher == Mesher::exact
                          ? mesh_arrangement(spheres, surface, refine, report)
                          : mesh_field(spheres, surface, request, refine, report);
+  // The time that record_levels() took is of a stage of its own, Timing::levels.
   const StageTime lap = session.clock.lap();
   const StageTime observed = report.timing.levels.value_or(StageTime{});
   report.timing.mesh = StageTime{lap.wall - observed.wall, lap.cpu - observed.cpu};
   return mesh;
 }
 
-// Levels are examined as they come, because the refinement does not keep them.
+// Levels are examined as they come, because the refinement does not keep them. The last level is
+// the finished mesh, which measure() examines; add_last_level() then appends its figures.
 LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<LevelReport>& levels,
                             Session& session) {
   return [=, &levels, &session](int level, const IndexedMesh& mesh) {
