@@ -1,16 +1,25 @@
-// ExcludedFinder: the distance to the accessible surface decides for most points; for the others
-// the nearest crease or cusp is searched.
+// ExcludedFinder: signed distances to the excluded surface. The distance to the accessible surface
+// decides for most points; for the others the nearest crease or cusp is searched. The names σ, p, x
+// and z are those of the header.
 //
-// An accessible point f nearest to a point q inside of a grown ball is on an arc, or it is the foot
-// of q on the ball of least gap. For let f be inside of a patch of ball i. If q is outside of ball
-// i, so is all of the way from q to f, and just before f it runs inside of another ball, whose
-// sphere f is on then: f is on an arc. If q is inside, no other ball j contains f, so |q - c_j| >=
-// R_j - |q - f|: the gap of i is the least. So one test of that foot, and one search of the arcs,
-// find the distance.
+// How x is found, the accessible point nearest to a point q that some grown ball contains. The gap
+// of a ball of centre c and radius R is |q - c| - R. The foot of q on a ball is the point of its
+// sphere nearest to q. Claim: x is the foot of q on the ball of least gap, or x is on an arc.
+// Proof: suppose that x is in the interior of the patch of ball i. If q were outside of ball i, the
+// segment from q to x would stay outside of ball i. Just before x it would run inside of another
+// ball, because no accessible point is nearer than x. Then x would be on that ball's sphere too,
+// and thus on an arc. So q is inside of ball i, and x is its foot there. No other ball j contains
+// x, so |q - c_j| >= R_j - |q - x|: no gap is less than that of ball i. Therefore one test of that
+// foot and one search of all arcs find x.
 //
-// The tests are ordered by their cost. If that foot is exposed, z is a point of an atom, which no
-// probe reaches. A point farther from all curves than from the nearest atom has its nearest point
-// elsewhere.
+// Steps for one point, the cheapest test first:
+//  1. If the point is outside all grown balls, the distance is σ + p. If the foot on the ball of
+//     least gap is exposed, it is x. Then z is a point of an atom's sphere, which no probe reaches,
+//     and the distance is again σ + p. In both cases σ is the least gap.
+//  2. Otherwise x is the nearest point of all arcs. It gives σ, and σ + p is the candidate.
+//  3. If no crease or cusp is nearer than the nearest atom, the distance is the candidate.
+//  4. Otherwise it is the candidate if no probe reaches z, and else the distance to the nearest
+//     crease or cusp.
 #include "excluded/excluded_finder.hpp"
 
 #include <algorithm>
@@ -30,7 +39,8 @@ double largest_radius(std::span<const Patch> patches) {
   return largest;
 }
 
-// A circle may leave the world where its arc does not.
+// The part of the box that lies in the world. The world contains every arc, but the box of an arc
+// may reach beyond it.
 Box within(Box box, const Box& world) {
   for (int axis = 0; axis < 3; ++axis) {
     box.lower[axis] = std::max(box.lower[axis], world.lower[axis]);
@@ -39,7 +49,8 @@ Box within(Box box, const Box& world) {
   return box;
 }
 
-// A tree needs a primitive. Without arcs it gets one that no search is made for.
+// The search tree over the boxes of arcs. A tree must have at least one primitive. Without arcs it
+// gets a box of one point, in which nobody searches: distance_of() and nearest_arc() return before.
 BoxTree tree_of(std::span<const CircleArc> arcs, const Box& world) {
   const auto size = static_cast<std::uint32_t>(std::max<std::size_t>(arcs.size(), 1));
   return BoxTree(size, world, [&](std::uint32_t i) {
@@ -51,77 +62,90 @@ BoxTree tree_of(std::span<const CircleArc> arcs, const Box& world) {
 struct Searched {
   PatchTreeView accessible;
   BoxTreeView curve_tree, arc_tree;
-  std::span<const CircleArc> curves, arcs;
-  double probe, tolerance;  // Å
+  std::span<const CircleArc> curves;  // creases and cusps of the excluded surface
+  std::span<const CircleArc> arcs;    // of the accessible surface
+  double probe, tolerance;            // Å
 };
 
-// The distance to the nearest curve, Å, if that is below `bound`; otherwise the bound. A curve as
-// near as `least` ends the search.
+// The distance to the nearest crease or cusp, Å, if that is below `bound` (Å); otherwise the bound.
+// The search ends early at a curve no farther than `least` (Å), because the caller only needs to
+// know that there is one. visit_nearest() ends when its bound is negative.
 double distance_to_curves(const Searched& s, const Vec3d& point, double least, double bound) {
-  double squared = bound * bound, nearest = squared;
-  visit_nearest(s.curve_tree, s.curve_tree.query(point), squared,
-                [&](std::uint32_t i, double& best) {
+  double nearest = bound * bound, search_bound = nearest;  // Å²
+  visit_nearest(s.curve_tree, s.curve_tree.query(point), search_bound,
+                [&](std::uint32_t i, double& until) {
                   nearest = std::min(nearest, s.curves[i].squared_distance(point));
-                  best = nearest <= least * least ? -1 : nearest;
+                  until = nearest <= least * least ? -1 : nearest;
                 });
   return std::sqrt(nearest);
 }
 
-// The point of an arc that is nearest to a point.
-struct OnArc {
+// The arc nearest to a point, and the squared distance to it.
+struct NearestArc {
   double squared;  // Å²
   std::uint32_t arc = kNoIndex;
 };
 
-// The nearest point of all arcs, if its squared distance is below `bound`. None is nearer than
-// `least`, so one that is as near ends the search. The arc `hint` is measured first.
-OnArc nearest_on_arcs(const Searched& s, const Vec3d& point, double least, double bound,
-                      std::uint32_t hint) {
-  OnArc found{bound};
+// The nearest arc, if its squared distance is below `squared_bound`; otherwise no arc and the
+// bound. The caller knows that no arc is nearer than `squared_least`, so an arc that is no farther
+// ends the search. The arc `hint` is measured first.
+NearestArc nearest_arc(const Searched& s, const Vec3d& point, double squared_least,
+                       double squared_bound, std::uint32_t hint) {
+  NearestArc found{squared_bound};
   if (s.arcs.empty()) return found;
   const auto offer = [&](std::uint32_t i) {
     const double squared = s.arcs[i].squared_distance(point);
     if (squared < found.squared) found = {squared, i};
   };
   offer(hint);
-  double squared = found.squared;
-  visit_nearest(s.arc_tree, s.arc_tree.query(point), squared, [&](std::uint32_t i, double& best) {
-    offer(i);
-    best = found.squared <= least ? -1 : found.squared;
-  });
+  double search_bound = found.squared;
+  visit_nearest(s.arc_tree, s.arc_tree.query(point), search_bound,
+                [&](std::uint32_t i, double& until) {
+                  offer(i);
+                  until = found.squared <= squared_least ? -1 : found.squared;
+                });
   return found;
 }
 
-// Whether no probe reaches z (see the header), the point of the ray from x, of an arc.
-bool is_foot_of_solid(const Searched& s, const Vec3d& point, const OnArc& nearest,
+// Whether no probe reaches z, the point at the distance p from x on the ray from x through the
+// point. x is the nearest point of the nearest arc. If x is the point itself, there is no ray.
+bool is_beyond_probes(const Searched& s, const Vec3d& point, const NearestArc& nearest,
                       const LeastGap& least) {
   const Vec3d x = s.arcs[nearest.arc].nearest_point(point), to = point - x;
   const double length = norm(to);
   if (!(length > 0)) return true;
   const Vec3d z = x + (s.probe / length) * to;
   const LeastGap at_z = find_least_gap(s.accessible, z, least.patch);
-  const double inside = s.probe - s.tolerance;
-  if (-at_z.gap >= inside) return true;
+  // No probe reaches z if every accessible point is at least this far from z. None is nearer than
+  // minus the least gap. If z is settled, it has one at just that distance, or is accessible
+  // itself.
+  const double out_of_reach = s.probe - s.tolerance;
+  if (-at_z.gap >= out_of_reach) return true;
   if (is_settled(s.accessible, z, at_z)) return false;
-  return nearest_on_arcs(s, z, 0, inside * inside, nearest.arc).squared >= inside * inside;
+  const double squared = out_of_reach * out_of_reach;
+  return nearest_arc(s, z, 0, squared, nearest.arc).squared >= squared;
 }
 
-// The signed distance of a point whose grown ball of least gap is known, Å. `hint` is an arc, and
-// becomes the nearest one.
+// The signed distance of a point whose grown ball of least gap is known, Å, by the steps listed
+// above. `hint` is the arc that is measured first; it becomes the nearest arc.
 double distance_of(const Searched& s, const Vec3d& point, const LeastGap& least,
                    std::uint32_t& hint) {
   const double to_atom = least.gap + s.probe;
   if (is_settled(s.accessible, point, least)) return to_atom;
+  // No accessible point is nearer than minus the gap. Rounding may give an arc a little less.
   const double squared_gap = least.gap * least.gap;
-  const OnArc nearest =
-      nearest_on_arcs(s, point, squared_gap, std::numeric_limits<double>::infinity(), hint);
+  const NearestArc nearest =
+      nearest_arc(s, point, squared_gap, std::numeric_limits<double>::infinity(), hint);
   if (nearest.arc != kNoIndex) hint = nearest.arc;
-  const double shortest = s.probe - std::sqrt(std::max(nearest.squared, squared_gap));
-  if (!(shortest > 0) || s.curves.empty()) return shortest;
+  const double candidate = s.probe - std::sqrt(std::max(nearest.squared, squared_gap));  // σ + p
+  // At σ <= -p the candidate always holds.
+  if (!(candidate > 0) || s.curves.empty()) return candidate;
+  // The distance is at most that to the nearest atom, which is below p in a grown ball (the minimum
+  // guards against rounding). Curves that are farther away do not matter.
   const double bound = std::min(to_atom, s.probe);
-  const double to_curves = distance_to_curves(s, point, shortest, bound);
-  if (!(to_curves > shortest) || !(to_curves < bound)) return shortest;
-  return is_foot_of_solid(s, point, nearest, least) ? shortest : to_curves;
+  const double to_curves = distance_to_curves(s, point, candidate, bound);
+  if (!(to_curves > candidate) || !(to_curves < bound)) return candidate;
+  return is_beyond_probes(s, point, nearest, least) ? candidate : to_curves;
 }
 
 VDWMESH_MULTIVERSION void measure_all(const Searched& s, std::span<const Vec3d> points,
@@ -134,8 +158,9 @@ VDWMESH_MULTIVERSION void measure_all(const Searched& s, std::span<const Vec3d> 
 
 }  // namespace
 
-// Points count as reached by a probe if they are deeper in it than the accessible surface, whose
-// radii may be wrong by kExposureTolerance, lets be decided.
+// The exposure of points is decided as if radii were wrong by up to kExposureTolerance of
+// themselves. So a point that a probe reaches by less than the tolerance counts as not reached. The
+// factor 4 keeps the tolerance clear of that error (docs/excluded_surface.md, "In double").
 ExcludedFinder::ExcludedFinder(const ExposedSurface& accessible, const JudgedSurface& surface,
                                double probe, const Box& world)
     : curves_(surface.curves),
