@@ -1,4 +1,5 @@
-// Turns exceptions into exit codes and one line, whatever their messages quote: Error sees to that.
+// Turns exceptions into exit codes and messages of one line. Error makes one line of every message,
+// whatever text from files it quotes.
 #include "outcome.hpp"
 
 #include <fmt/format.h>
