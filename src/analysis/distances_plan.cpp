@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
@@ -58,19 +59,19 @@ void check_triangles(const IndexedMesh& mesh) {
 }
 
 // Throws LimitExceeded if the triangles are too many for the 32-bit indices of BoxTree, or if mesh,
-// search tree and exposed surface need more than `limit` bytes. The largest 32-bit number is
-// written as kNoSphere; only its value 2^32 - 1 matters here.
+// search tree and exposed surface need more than `limit` bytes.
 //
 // The second message proposes coarser meshes. One subdivision less divides the numbers of vertices
 // and triangles by 4, and a spacing s times as wide divides them by s². The proposals treat all
 // bytes so. The bytes of the spheres do not shrink, but they are few beside a large mesh. The
 // factor 1.02 is a margin: it exceeds the rounding of the printed spacing to three digits (0.5 %).
 void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t limit) {
+  constexpr std::uint32_t kMostTriangles = std::numeric_limits<std::uint32_t>::max() - 1;
   const std::uint64_t triangles = mesh.triangle_count();
-  if (triangles >= kNoSphere) {
+  if (triangles > kMostTriangles) {
     throw LimitExceeded(
         fmt::format("distances take at most {} triangles, the mesh has {}: subdivide it once less",
-                    kNoSphere - 1, triangles));
+                    kMostTriangles, triangles));
   }
   const std::uint64_t need =
       indexed_mesh_bytes(mesh) + distances_bytes({mesh.vertex_count(), triangles}, spheres);

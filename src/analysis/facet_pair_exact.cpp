@@ -1,4 +1,5 @@
-// The predicates of a kernel of CGAL, whose answers are exact for all doubles.
+// Whether two facets intersect, decided by the predicates of a kernel of CGAL, which are exact for
+// all doubles. How many vertices the facets share decides which test is made.
 #include "analysis/facet_pair_exact.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -11,6 +12,8 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Points = std::array<Point, 3>;
 
+// The corners in the order of a Matching, so that the vertices that the two facets share come
+// first.
 Points points_of(const Facet& f, const std::array<std::uint8_t, 3>& order) {
   const auto point = [&](std::size_t k) {
     const Vec3d& p = f.corner[order[k]];
@@ -21,14 +24,14 @@ Points points_of(const Facet& f, const std::array<std::uint8_t, 3>& order) {
 
 Kernel::Triangle_3 triangle(const Points& p) { return {p[0], p[1], p[2]}; }
 
-// Of two triangles that share their first vertex: if they intersect elsewhere, the edge opposite to
-// that vertex in one of them meets the other triangle.
+// Whether two triangles that share their first vertex intersect elsewhere. If they do, the edge
+// opposite to that vertex in one of them meets the other triangle.
 bool meet_beyond_vertex(const Points& a, const Points& b) {
   return CGAL::do_intersect(triangle(a), Kernel::Segment_3(b[1], b[2])) ||
          CGAL::do_intersect(triangle(b), Kernel::Segment_3(a[1], a[2]));
 }
 
-// Of two triangles that share their first two vertices: they overlap only if they lie in one plane
+// Whether two triangles that share their first two vertices overlap: whether they lie in one plane
 // and their third vertices are on the same side of the common edge.
 bool fold_over(const Points& a, const Points& b) {
   return CGAL::coplanar(a[0], a[1], a[2], b[2]) &&

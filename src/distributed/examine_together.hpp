@@ -7,9 +7,10 @@
 
 namespace vdwmesh {
 
-// On the first rank, what examine() says of the mesh of all pieces, bit for bit; the others' result
-// means nothing. Takes memory for a copy of the piece beside what examine() takes. Throws
-// InternalError, on all ranks, if the mesh is no closed, oriented 2-manifold. Collective.
+// Returns on the first rank what examine() returns for the mesh of all pieces, bit for bit. On
+// other ranks the result has no meaning. Takes memory for a copy of the piece beside what examine()
+// takes. Throws InternalError, on all ranks, if the mesh is no closed, oriented 2-manifold.
+// Collective.
 MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece);
 
 }  // namespace vdwmesh

@@ -48,7 +48,8 @@ class SharedFile {
   std::unique_ptr<Handle> handle_;
 };
 
-// Writes what it is given to the file from a place on, one behind the other.
+// A section of the file as a sink: the first write() goes to `offset`, each further one behind the
+// one before.
 class SharedFileSection : public ByteSink {
  public:
   SharedFileSection(SharedFile& file, std::uint64_t offset) : file_(file), next_(offset) {}

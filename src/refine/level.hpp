@@ -18,10 +18,10 @@ namespace vdwmesh {
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
                               IndexedMesh& mesh, const RefineOptions& options);
 
-// A higher level: subdivides `parent` once, projects the midpoints and takes bad moves back; with
-// labelled triangles there are none to take back. Precondition: `parent` has `opposite`. The result
-// has `opposite` too if its half-edges can be numbered in 32 bits (kMaxHalfEdges). It has normals
-// only if `parent` has them.
+// Subdivides `parent` once, projects the midpoints and takes bad moves back. If triangles are
+// labelled, no move is bad. Precondition: `parent` has `opposite`. The result has `opposite` too if
+// its half-edges can be numbered in 32 bits (kMaxHalfEdges). It has normals only if `parent` has
+// them.
 struct SubdividedMesh {
   IndexedMesh mesh;
   ProjectionStats stats;

@@ -13,7 +13,7 @@ namespace vdwmesh {
 // Reads the atoms of a small molecule: a file with fractional coordinates.
 void read_small_molecule(std::string_view text, ParsedFile& file);
 
-// What is said of a file with atoms in two data blocks of these names.
+// The message about a file with atoms in two data blocks, which have these names.
 std::string two_blocks_with_atoms(std::string_view first, std::string_view second);
 
 // Makes a ParsedFile with that path and an empty structure, and calls `read` to fill it. Turns the

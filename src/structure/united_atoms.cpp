@@ -1,5 +1,6 @@
-// Unpacks the table of a set into a map from residue and atom to the type, and searches it under
-// the names given, under those that stand for every residue, and under standard names.
+// Unpacks the table of a set into a map from residue and atom name to the atom's type. An atom is
+// searched under its residue's name and then under the residue "*", which stands for every residue;
+// if the set does not have it, the same is done with the standard names of residue and atom.
 #include "structure/united_atoms.hpp"
 
 #include <algorithm>
@@ -14,7 +15,8 @@ namespace {
 
 constexpr std::string_view kEveryResidue = "*";
 
-// Takes the part of `rest` before the next comma off.
+// Removes the next group from `rest` and returns it. Commas separate groups; a group is the names
+// of atoms and, last, the name of their type.
 std::string_view next_group(std::string_view& rest) {
   const std::size_t end = std::min(rest.find(','), rest.size());
   const std::string_view group = rest.substr(0, end);

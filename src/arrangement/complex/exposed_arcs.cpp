@@ -41,9 +41,10 @@ std::uint32_t apex(const DualTriangle& f, std::uint32_t edge) {
 
 }  // namespace
 
-// The run of cells of the complex around the edge, from the arc's last triangle on. All facets of
-// these cells are in the complex. Without such cells the arc's last triangle is exposed on both
-// sides, and its other corner is the start.
+// Walks through the cells of the complex around the edge, from the triangle at which the arc ends
+// to the triangle at which the next arc begins. All facets of these cells are in the complex. If
+// there are no such cells, the triangle is exposed on both sides, and the next arc begins at its
+// other corner.
 CornerIndex next_start(const PowerTriangulation& t, const DualComplex& complex, std::uint32_t edge,
                        CornerIndex end) {
   std::uint64_t triangle = end / 2;
