@@ -1,6 +1,6 @@
-// The arrays of a PowerCell, in two kinds: FixedRoom has room for the cells of nearly all balls,
-// and its arrays stand at known places, so that loops need no pointers to them; GrowingRoom takes
-// memory as it is needed.
+// The arrays of a PowerCell, in two kinds. FixedRoom has arrays of fixed size, which suffice for
+// the cells of nearly all balls; their addresses are known when compiling, so loops load no
+// pointers. GrowingRoom allocates memory as it is needed.
 #pragma once
 
 #include <array>
@@ -14,32 +14,34 @@
 
 namespace vdwmesh::arcs {
 
-// An edge as seen from one of its ends: 4 v + k for edge k of vertex v, which is 1, 2 or 3. Edge k
-// lies in the planes of the two other edges and leaves plane k. The axes of planes 1, 2 and 3 have
-// a positive determinant, so an edge runs against the cross product of the axes of the two planes
-// that follow its own in the cycle 1, 2, 3. Seen from its other end the two have changed places.
+// An edge as seen from one of its ends: 4 v + k is edge k (1, 2 or 3) of vertex v. Three planes
+// meet in a vertex, which are numbered 1, 2 and 3 there such that the determinant of their axes is
+// positive. Edge k lies in the two planes other than k, so it leaves plane k. It runs against the
+// cross product of the axes of the two planes that follow k in the cycle 1, 2, 3. Seen from its
+// other end, these two planes follow each other in the opposite order.
 using EdgeEnd = std::uint32_t;
 constexpr std::uint32_t vertex_of(EdgeEnd end) { return end / 4; }
 constexpr EdgeEnd end_of(std::uint32_t vertex, std::uint32_t side) { return 4 * vertex + side; }
 
-// A vertex in lanes.
+// The position of a vertex as one vector of four lanes.
 struct alignas(32) Position {
   double at[4];  // the fourth is 0
 };
 
-// An edge from a removed vertex, `removed` at its end, to one that stays, `kept` at its end.
+// An edge between a vertex that is removed and one that stays, as seen from both.
 struct BorderEdge {
   EdgeEnd removed, kept;
 };
 
-// An edge of the new face that looks for its other end: it lies in `plane`.
+// One end of an edge of the new face whose other end is not known yet. The edge lies in the new
+// plane and in `plane`.
 struct HalfLink {
   std::uint32_t plane;
   EdgeEnd own;
 };
 
-// Vertices that a loop looks at in one step: two vectors, for fewer and more predictable ends of
-// loops.
+// Vertices that a loop handles in one step: two vectors, so that loops are short and the processor
+// predicts their ends.
 inline constexpr std::size_t kStep = 2 * kLanes;
 // The x coordinate of a slot without a vertex.
 inline constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
@@ -50,18 +52,20 @@ struct CellArrays {
   // By slot of a vertex. The loops over x, y, z and depth run to a multiple of kStep.
   Array<double, kVertices> x, y, z, depth;
   Array<Position, kVertices> position;  // the same as x, y and z
-  // By the ends of edges: the plane that is left, and the other end.
+  // By EdgeEnd: the plane that the edge leaves there, and the edge's other end.
   Array<std::uint32_t, 4 * kVertices> plane_left;
   Array<EdgeEnd, 4 * kVertices> twin;
   Array<Cap, kPlanes> planes;
-  // By plane: the edge of the new face that waits for its other end; between cuts none waits.
+  // By plane, during a cut: the first end of the edge of the new face in this plane, until its
+  // second end is found. 0 otherwise.
   Array<EdgeEnd, kPlanes> open;
-  // The free slots; during a cut, those that were free before, and behind them unused ones, which
-  // are listed four at a time.
+  // The free slots. During a cut: the slots that were free before, and then unused slots, which are
+  // appended four at a time.
   Array<std::uint32_t, 2 * kVertices + 4> free;
-  // During a cut. Removed vertices are in ascending order. The border has the edges from removed
-  // vertices to those that stay, and one that is written but not kept; links are by these edges,
-  // which are no more than there is room for new vertices.
+  // Used during a cut. `removed` is in ascending order. `border` has the edges from removed
+  // vertices to vertices that stay, and one element more, because an edge is written before it is
+  // known to belong there. `links` has an element for each of these edges; each makes one new
+  // vertex, so kVertices suffice.
   Array<std::uint32_t, 2 * kVertices + 4> removed;
   Array<BorderEdge, 3 * kVertices + 1> border;
   Array<HalfLink, kVertices> links;

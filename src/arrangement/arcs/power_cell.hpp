@@ -2,15 +2,15 @@
 // Sokolov, S. Lefebvre and B. Lévy 2018, "Meshless Voronoi on the GPU", ACM TOG 37, 265).
 //
 // A vertex names the three planes that meet in it and, for each of them, the edge that leaves the
-// plane, as seen from the other end. Every vertex has exactly three planes, also in degenerate
-// positions: rounding then decides which of several vertices in one place a plane cuts off, and the
-// cell is that of planes moved by as little. The cell begins as a tetrahedron around the unit ball,
-// whose faces the ball does not reach. power_cell_cut.hpp has the cut.
+// plane, as seen from its other end (EdgeEnd). Every vertex has exactly three planes. If more
+// planes meet in one point, several vertices lie there, and rounding decides which of them a plane
+// cuts off: the cell is then that of planes moved by no more than rounding errors. The cell begins
+// as a tetrahedron around the unit ball, whose faces (walls) the ball does not reach.
+// power_cell_cut.hpp has the cut.
 //
-// Vertices stand in slots. The slot of a removed vertex stays free until the next cut, which puts a
-// new vertex there; finish() closes the gaps that are left in the end. The x coordinate of a free
-// slot is NaN, so that it lies beyond no plane and changes no maximum. The arrays are in
-// cell_room.hpp.
+// Vertices are stored in slots. The slot of a removed vertex is free until a later cut puts a new
+// vertex there; finish() closes the gaps that are left. The x coordinate of a free slot is NaN, so
+// that the slot counts as beyond no plane and changes no maximum. The arrays are in cell_room.hpp.
 #pragma once
 
 #include <cstdint>
@@ -25,15 +25,16 @@ namespace vdwmesh::arcs {
 // What a measurer reads of a cell.
 struct CellView {
   std::uint32_t vertex_count;
-  // The walls, then every plane that cut something off; some may have no face any more.
+  // The walls, then every plane that cut something off. Later cuts may have removed all of its
+  // face.
   std::uint32_t plane_count;
   std::uint32_t doubts;
   // Lane-wise access: 3 further elements behind the last vertex may be read; x is NaN there.
   const double *x, *y, *z;
-  const Position* position;  // the same
-  // By the ends of edges: the plane that the edge leaves there, and its other end. For end_of(v,
-  // 0), which is no end, the plane is that of end_of(v, 3), and the other end means nothing. So the
-  // plane before an end is the one that precedes its own in the cycle 1, 2, 3.
+  const Position* position;  // the same coordinates, vertex by vertex
+  // By EdgeEnd: the plane that the edge leaves there, and the edge's other end. Elements end_of(v,
+  // 0) belong to no edge. plane_left has the plane of end_of(v, 3) there: so plane_left[end - 1] is
+  // for every end the plane that precedes its own in the cycle 1, 2, 3.
   const std::uint32_t* plane_left;
   const EdgeEnd* twin;
   const Cap* plane;
@@ -49,15 +50,15 @@ inline constexpr std::uint32_t kWalls = 4;  // planes 0 to 3 are the tetrahedron
 template <class Room>
 class PowerCellIn {
  public:
-  // Makes the cell the tetrahedron again. The memory is kept.
+  // Replaces the cell by the tetrahedron. The memory is kept.
   void reset();
 
-  // Removes the half-space beyond the plane of a cap: the points with inner(axis, x) > cosine. Caps
-  // may come in any order; that of cuts_deeper() is fast. The time is linear in the number of
-  // vertices. Returns whether that removed vertices.
+  // Removes the half-space beyond the plane of a cap: the points with inner(axis, x) > cosine.
+  // Returns whether this removed vertices. Caps may come in any order; the order of cuts_deeper()
+  // is fast. The time is linear in the number of vertices.
   bool cut(const Cap& cap);
 
-  // Whether the room was too small for a cut. The cell then means nothing.
+  // Whether the arrays were too small for a cut. The cell is then not valid.
   bool overflowed() const { return overflowed_; }
   bool empty() const { return alive_ == 0; }
   // An upper bound of the distance from the centre to the farthest vertex. Planes at least this far
@@ -88,9 +89,9 @@ class PowerCellIn {
   Room room_;
 };
 
-// Of any size.
+// A cell of any size.
 using PowerCell = PowerCellIn<GrowingRoom>;
-// For what is removed, 64 vertices have a bit each of one number.
+// A cell of at most 64 vertices, so that one 64-bit number has a bit for each of them.
 using SmallPowerCell = PowerCellIn<FixedRoom<64, 64>>;
 
 }  // namespace vdwmesh::arcs

@@ -1,13 +1,18 @@
 // PowerCellIn<Room>::cut(): removes a half-space from the cell. Included by power_cell.hpp alone.
 //
-// 1. measure_depths() finds how far every vertex lies beyond the plane, some vertices at a time.
-//    Most planes of a crowded ball cut nothing off, and end here.
+// 1. measure_depths() finds how far every vertex lies beyond the plane, kStep vertices at a time.
+// Most
+//    planes of a ball with many neighbours cut nothing off; then this is the only step.
 // 2. find_removed() lists the vertices beyond the plane, and the border: the edges that lead from
-//    one of them to one that stays. Each of these edges has one vertex of the new face.
-// 3. make_vertices() computes the new vertices, in slots that were free before this cut, since what
-//    is removed is still needed.
-// 4. link_vertices() links them to a ring: two of them are neighbours if they share an old plane
-//    beside the new one.
+// one
+//    of them to a vertex that stays. On each of these edges lies one vertex of the new face.
+// 3. make_vertices() computes the new vertices. It puts them into slots that were free before this
+// cut,
+//    because the removed vertices are still read.
+// 4. link_vertices() links the new vertices to a ring: two of them are neighbours if they share an
+// old
+//    plane beside the new one.
+// 5. free_removed() frees the slots of the removed vertices.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +25,8 @@
 
 namespace vdwmesh::arcs {
 
-// The walls of the tetrahedron stand a little outside the unit ball. Their directions have no
-// symmetry, so that they are parallel to none of the planes of a lattice.
+// The walls of the tetrahedron lie a little outside the unit ball. It is a regular tetrahedron
+// turned by arbitrary angles, so that the walls are parallel to no plane of a lattice.
 template <class Room>
 inline void PowerCellIn<Room>::reset() {
   constexpr double kDistance = 1.0625;
@@ -79,10 +84,10 @@ VDWMESH_INLINE double PowerCellIn<Room>::measure_depths(const Cap& cap) {
   return largest_of(most);
 }
 
-// Lists the vertices beyond the plane and the edges that lead from them to those that stay, and
-// raises the doubts about vertices that all but lie on it. Returns whether there are vertices to
-// remove; their slots look free from now on. A bit for each of 64 vertices says whether it lies
-// beyond; lane k has those of every fourth vertex from k on.
+// Lists the vertices beyond the plane and the border, and raises doubts about vertices that nearly
+// lie on the plane. Returns whether there are vertices to remove; from now on their x is that of
+// free slots. Vertices are handled 64 at a time, with a bit for each that says whether it lies
+// beyond; lane k computes the bits of vertices k, k + 4, k + 8 and so on.
 template <class Room>
 VDWMESH_INLINE bool PowerCellIn<Room>::find_removed(const Cap& cap) {
   constexpr std::uint32_t kBits = 64;
@@ -138,12 +143,16 @@ VDWMESH_INLINE bool PowerCellIn<Room>::find_removed(const Cap& cap) {
   return removed > 0;
 }
 
-// Vertices far outside the ball may be in doubt: its measures do not depend on them. But if they
-// are, because the plane all but coincides with one of theirs, nobody knows where the two planes
-// cross, and it may be inside. If the plane runs along an edge, a corner of the patch may have
-// three circles, which is of no account for the measures. If even the vertex that stays deepest
-// inside is on the plane but for rounding, or the one that goes first, then the cell is nearly or
-// quite gone.
+// Finds the doubts about vertices near the plane.
+// - Whether a vertex is cut off matters only if it is not outside the ball, whose measures do not
+//   depend on vertices outside (kThirdCircle).
+// - If the plane is also nearly parallel to a plane of the vertex, rounding decides where the two
+//   planes cross, and that may be inside the ball wherever the vertex is (kParallelPlanes).
+// - If the plane nearly contains an edge, three circles may meet in a corner of the patch. That
+// does
+//   not affect area and volume (kAlongEdge).
+// - If even the vertex of least depth nearly lies on the plane, the plane removes nearly all of the
+//   cell, or all of it by little (kVanishing).
 template <class Room>
 inline void PowerCellIn<Room>::doubt_near(const Cap& cap) {
   constexpr double kOutside = 1 + 1e-6;  // squared distance
@@ -165,28 +174,29 @@ inline void PowerCellIn<Room>::doubt_near(const Cap& cap) {
   if (removed_count_ > 0 && std::abs(least) < kTouching) doubts_ |= kVanishing;
 }
 
-// Lists slots for the new vertices: the free ones, and behind them as many unused ones as needed.
+// Lists slots for the new vertices: the free ones, then as many unused ones as are needed.
 template <class Room>
 VDWMESH_INLINE void PowerCellIn<Room>::list_slots() {
   using FourNumbers = std::uint32_t __attribute__((vector_size(16)));
   FourNumbers more{0, 1, 2, 3};
   more += slots_;
   std::uint32_t listed = free_count_;
-  do {  // four at a time; mostly they are enough
+  do {  // four at a time, which is enough in most cuts
     std::memcpy(&room_.free[listed], &more, sizeof more);
     more += 4;
     listed += 4;
   } while (listed < border_count_);
 }
 
-// A new vertex stands where the plane meets the edge: between its ends, so that it is as near to
-// the edge's own planes as they are. It has the new plane, which the old edge leaves there, and the
-// two planes of the edge, in the order of the removed end.
+// A new vertex lies where the plane meets an edge of the border. It is interpolated between the
+// ends of the edge, so it is as near to the edge's planes as they are. Its three planes are the new
+// plane, which the old edge leaves there, and the two planes of the edge, in the order that they
+// have at the removed end.
 //
-// Each of the other two edges lies in the new plane and in one of the two old ones, and leaves the
-// other. An old plane at the border has two new vertices, of which it follows the new plane at one
-// and precedes it at the other. The first leaves its end of the common edge in room_.open, and the
-// second will look there for it.
+// Two further edges begin at the new vertex, both in the new plane: each lies in one of the old
+// planes and leaves the other. An old plane at the border has two new vertices; it follows the new
+// plane at one of them and precedes it at the other. The former stores its end of their common edge
+// in room_.open, and link_vertices() finds it there for the latter.
 template <class Room>
 VDWMESH_INLINE void PowerCellIn<Room>::make_vertices(std::uint32_t plane) {
   double *const x = room_.x.data(), *const y = room_.y.data(), *const z = room_.z.data();
@@ -221,8 +231,9 @@ VDWMESH_INLINE void PowerCellIn<Room>::make_vertices(std::uint32_t plane) {
   }
 }
 
-// Returns whether every edge found its other end. As many ends look for others as were left
-// there, and each takes what it finds away; so if none is missing, none was left twice.
+// Links the edges of the new face, and returns whether each has found its other end. There are as
+// many ends in `links` as were stored in `open`, and each removes the end that it finds. So if none
+// is missing, no two ends were stored for one plane.
 template <class Room>
 VDWMESH_INLINE bool PowerCellIn<Room>::link_vertices() {
   const HalfLink* const links = room_.links.data();
@@ -239,7 +250,8 @@ VDWMESH_INLINE bool PowerCellIn<Room>::link_vertices() {
   return missing == 0;
 }
 
-// The slots of the removed vertices are free from now on, beside those that nobody took.
+// Updates the list of free slots: those that the new vertices did not take, and those of the
+// removed vertices.
 template <class Room>
 VDWMESH_INLINE void PowerCellIn<Room>::free_removed() {
   std::uint32_t* const free = room_.free.data();
@@ -249,12 +261,12 @@ VDWMESH_INLINE void PowerCellIn<Room>::free_removed() {
   slots_ += border_count_ - (free_count_ - left);
   alive_ += border_count_ - removed_count_;
   free_count_ = left + removed_count_;
-  for (std::uint32_t i = 0; i < removed_count_; i += 4) {  // four at a time; mostly they are all
+  for (std::uint32_t i = 0; i < removed_count_; i += 4) {  // four at a time, in most cuts all
     std::memcpy(free + left + i, removed + i, 4 * sizeof *free);
   }
 }
 
-// Moves vertices from the end of the list to free slots.
+// Moves vertices from the last slots to free slots before them, so that no slot is free.
 template <class Room>
 inline CellView PowerCellIn<Room>::finish() {
   if (alive_ > 0) {
