@@ -55,8 +55,8 @@ struct ArcRun {
   DisjointSets* connected;    // by sphere id: joins balls that overlap; null if nobody asks
 };
 
-// Joins the ball with those that overlap it, or with one that buries it: that is enough, as the
-// burying one overlaps all that this one overlaps.
+// Joins the ball with those that overlap it. If a ball buries it, joining these two is enough,
+// because the burying ball overlaps all that this one overlaps.
 void join_neighbors(const ArcRun& run, std::uint32_t place, const arcs::BallCaps& caps,
                     bool is_buried) {
   const SphereId* const id = run.list.id;
@@ -112,8 +112,9 @@ void find_places(const CellListView& list, const MeasuredSpheres& measured, ArcM
 
 }  // namespace
 
-// The boundary has the patches as faces, the arcs as edges, of which a patch has as many as corners
-// and shares each with one other, and corners, which three patches share.
+// The Euler characteristic of the boundary is faces - edges + vertices. The patches add up to
+// `euler_characteristic`. A patch has as many arcs as corners; two patches share each arc and three
+// share each corner, so there are corners / 2 arcs and corners / 3 corners in all.
 std::optional<UnionCounts> counts_of(const PatchSums& sums, std::uint64_t components) {
   if (sums.doubtful > 0 || sums.corners % 6 != 0) return std::nullopt;
   const auto corners = static_cast<std::int64_t>(sums.corners);

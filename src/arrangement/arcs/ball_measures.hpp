@@ -1,15 +1,16 @@
 // Area of the exposed patch, volume of the cut ball and Euler characteristic, from a power cell.
 //
-// BallMeasurer cuts the unit ball out of the cell. Vertices of the cell lie inside the ball or
-// outside; an edge meets the ball in a segment, which ends at vertices or, on the sphere, in
-// corners of the patch; a face meets it in what segments and arcs bound, in a whole disk, or not.
+// BallMeasurer measures ball ∩ cell, the cut ball. A vertex of the cell lies inside the ball or
+// outside. An edge meets the ball in a segment or not at all; a segment ends at vertices or, on the
+// sphere, in corners of the patch. A face meets the ball in a region bounded by segments and arcs,
+// in a whole disk, or not at all.
 //
 // Let t be the cosine of a cap, phi the exposed angle of its circle, F the area of its face.
 //   area   = 2 pi chi + sum phi t - sum turning angles   Gauss–Bonnet on the exposed patch
 //   volume = (area + sum t F) / 3                        divergence theorem about the centre
-// chi is the Euler characteristic of the patch. The surface of ball ∩ cell is a sphere, so its
-// inner vertices, less its segments, plus its faces, plus chi give 2: corners and arcs are as many
-// and cancel.
+// chi is the Euler characteristic of the patch. The surface of the cut ball is a topological
+// sphere, so the number of its inner vertices, minus segments, plus faces, plus chi is 2. Corners
+// and arcs do not appear, because there are as many of the one as of the other.
 #pragma once
 
 #include <array>
@@ -23,7 +24,7 @@ namespace vdwmesh::arcs {
 
 struct BallMeasures {
   double area = 0, volume = 0;            // of the exposed patch; of the cut ball. The radius is 1.
-  std::uint32_t doubts = 0;               // Doubt bits; 0: the numbers are good
+  std::uint32_t doubts = 0;               // Doubt bits; 0: no check failed
   std::int32_t euler_characteristic = 0;  // of the exposed patch
   std::uint32_t corners = 0;              // of the exposed patch
 };
@@ -36,7 +37,8 @@ inline Complex operator*(const Complex& a, const Complex& b) {
   return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
-// Sum of angles between 0 and pi as a product of complex numbers, with the number of whole turns.
+// A sum of angles between 0 and pi, kept as a product of complex numbers and the number of whole
+// turns.
 class AngleSum {
  public:
   // Adds the argument of a number, which is in [0, pi]. Precondition: im >= 0.
@@ -50,10 +52,11 @@ class AngleSum {
   std::uint32_t turns_ = 0;
 };
 
-// Keeps its memory from ball to ball.
+// Measures one ball after another and keeps its memory for the next one.
 class BallMeasurer {
  public:
-  // The measures of ball ∩ cell. Doubts are those of the cell and those found here.
+  // Returns the measures of ball ∩ cell. The doubts about the cell are passed on with those found
+  // here.
   BallMeasures measure(const CellView& cell);
 
  private:
@@ -72,8 +75,8 @@ class BallMeasurer {
     Vec3d from, to;
   };
 
-  // The point of a plane that is nearest to the centre, in the order z, x, y; the fourth number
-  // means nothing.
+  // The point of a plane that is nearest to the centre, in the order z, x, y of turned_cross(). The
+  // fourth number has no meaning.
   struct alignas(32) Foot {
     double at[4];
   };
@@ -108,17 +111,19 @@ class BallMeasurer {
   std::vector<double> height_;         // by vertex: squared distance from the centre, less 1
   std::vector<Face> faces_;            // by plane; valid for planes_, if something is exposed
   std::vector<std::uint64_t> stamps_;  // by plane: the last ball in which it had a face
-  std::vector<std::uint32_t> planes_;  // those that have a face, then unused elements
+  std::vector<std::uint32_t> planes_;  // the planes that have a face, then unused elements
   std::uint32_t face_count_ = 0;
-  // Edges by how many of their ends are in the ball, each by one of its ends.
+  // The edges by how many of their ends are inside the ball (0, 1 or 2). An edge is listed once, by
+  // one of its ends.
   std::array<std::vector<EdgeEnd>, 3> edges_;
   std::array<std::size_t, 3> edge_count_{};
   std::vector<Foot> feet_;  // by plane; valid for planes_
   std::uint64_t stamp_ = 0;
   std::uint32_t inside_ = 0, doubts_ = 0, segments_ = 0, corners_ = 0;
-  double worst_ = 1;    // the largest condition number of a corner's angle
-  double pyramid_ = 0;  // sum t 2 F, without the sectors between arcs and centre
-  Vec3d open_{};        // twice the vector area of the surface of the cut ball
+  double worst_ = 1;  // the largest condition number of a corner's angle
+  double pyramid_ =
+      0;          // sum t 2 F, until sum_up() without the sectors between arcs and disk centre
+  Vec3d open_{};  // twice the vector area of the surface of the cut ball
   AngleSum turning_;
   std::vector<double> angles_, re_, im_;  // find_angles()
 };

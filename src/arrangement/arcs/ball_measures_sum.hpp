@@ -12,7 +12,8 @@ namespace vdwmesh::arcs {
 
 inline constexpr double kPi = std::numbers::pi;
 
-// Multiplies, and brings the size of the product back to 1 before it can over- or underflow.
+// Multiplies the product by a factor, and rescales it to size 1 before it can overflow or
+// underflow.
 inline void multiply(Complex& product, const Complex& factor) {
   product = product * factor;
   const double size = product.re * product.re + product.im * product.im;
@@ -22,8 +23,8 @@ inline void multiply(Complex& product, const Complex& factor) {
   }
 }
 
-// The sum so far, modulo 2 pi, is in [pi, 2 pi) if the product's imaginary part is negative. An
-// angle of up to pi takes it from there to [0, pi) exactly if a turn is completed.
+// The sum so far, modulo 2 pi, is in [pi, 2 pi) if the product's imaginary part is negative. Adding
+// an angle of at most pi takes it from there to [0, pi) if and only if it completes a turn.
 inline void AngleSum::add(const Complex& factor) {
   const bool was_below = product_.im < 0;
   multiply(product_, factor);
@@ -49,8 +50,8 @@ inline BallMeasures BallMeasurer::measure(const CellView& cell) {
   return closed ? measure_polytope(cell) : measure_patch(cell);
 }
 
-// Says which vertices are inside the ball, and returns whether all are. If a vertex all but lies on
-// the sphere, three circles meet in a point, or nearly so.
+// Finds which vertices are inside the ball, and returns whether all are. If a vertex nearly lies on
+// the sphere, three circles nearly meet in one point, which is a doubt.
 inline bool BallMeasurer::find_inside(const CellView& cell) {
   const std::uint32_t count = cell.vertex_count;
   if (height_.size() < count + kLanes) height_.resize(2 * (count + kLanes));
@@ -68,12 +69,12 @@ inline bool BallMeasurer::find_inside(const CellView& cell) {
   return inside_ == count;
 }
 
-// Lists the planes that have a face, without branches. Returns whether there are as many as Euler's
-// formula wants.
+// Lists the planes that have a face, without branches. Returns whether their number satisfies
+// Euler's formula.
 inline bool BallMeasurer::find_faces(const CellView& cell) {
   const std::uint32_t* const planes_left = cell.plane_left;
   std::uint64_t* const stamps = stamps_.data();
-  const std::uint64_t stamp = stamp_;  // in a register, whatever the stamps written may overlap
+  const std::uint64_t stamp = stamp_;  // a copy that stays in a register: stores cannot change it
   for (std::uint32_t v = 0, count = cell.vertex_count; v < count; ++v) {
     for (std::uint32_t side = 1; side <= 3; ++side) stamps[planes_left[end_of(v, side)]] = stamp;
   }
@@ -87,8 +88,8 @@ inline bool BallMeasurer::find_faces(const CellView& cell) {
   return 2 * found == cell.vertex_count + 4;
 }
 
-// Lists the edges, each once, by how many of their ends are in the ball; without branches, which
-// the processor could not foresee.
+// Lists the edges, each once, by how many of their ends are inside the ball. There are no branches
+// on these numbers, because the processor could not predict them.
 inline void BallMeasurer::find_edges(const CellView& cell) {
   const std::uint32_t vertices = cell.vertex_count;
   if (edges_[0].size() < 3 * vertices) {
@@ -106,7 +107,8 @@ inline void BallMeasurer::find_edges(const CellView& cell) {
   }
   edge_count_ = {0, 0, count};
   if (inside_ == vertices) return;
-  // What is moved within the list stands before the place that it is read from.
+  // Edges with both ends inside stay in the list `inner`. They move towards its front, never beyond
+  // the element that is being read, so no unread element is overwritten.
   const double* const heights = height_.data();
   const auto is_inside = [&](std::uint32_t v) {  // the sign of the height, which is never -0
     return static_cast<std::size_t>(std::bit_cast<std::uint64_t>(heights[v]) >> 63);
@@ -144,9 +146,10 @@ VDWMESH_INLINE double sum_of(const Lanes& lanes) {
   return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
 }
 
-// Six times the volume of the pyramids over the two faces of an edge, between their feet and the
-// edge: t times twice the area of a triangle. Edges run clockwise about a and counter-clockwise
-// about b, seen from outside.
+// For a cell inside the ball: its volume. Every edge adds six times the volume of two pyramids with
+// the apex in the centre: their bases are the triangles between the edge and the foot of either
+// face. A pyramid gives t times twice the area of its base. Edges run clockwise about a and
+// counter-clockwise about b, seen from outside.
 inline BallMeasures BallMeasurer::measure_polytope(const CellView& cell) {
   const Foot* const feet = feet_.data();
   Lanes sums{};
@@ -284,8 +287,8 @@ inline void BallMeasurer::add_edge(const CellView& cell, const Edge& edge, int e
   ++segments_;
 }
 
-// A segment from p to q adds, to twice the area of face b, det(axis, p, q), and takes from that of
-// face a.
+// Adds the segment from p to q of an edge. It adds det(axis, p, q) to twice the area of face b and
+// subtracts det(axis, p, q), with the axis of a, from twice the area of face a.
 inline void BallMeasurer::add_segment(const Cap& a, const Cap& b, const Vec3d& from,
                                       const Vec3d& to) {
   const Vec3d moment = cross(from, to);
@@ -354,7 +357,7 @@ inline void BallMeasurer::find_angles() {
   }
   re_[count] = turning_.product().re;
   im_[count] = turning_.product().im;
-  for (std::size_t i = 0; i <= count; i += kLanes) {  // what stands behind them means nothing
+  for (std::size_t i = 0; i <= count; i += kLanes) {  // may compute unused elements at the end
     store_lanes(&angles_[i], arguments(lanes_at(&re_[i]), lanes_at(&im_[i])));
   }
 }
@@ -385,7 +388,7 @@ inline BallMeasures BallMeasurer::sum_up(const CellView& cell) {
     pyramid_ += angle * cap.cosine * (1 - cap.cosine) * (1 + cap.cosine);
     deepest = cap.cosine < deepest ? cap.cosine : deepest;
   }
-  // Every plane cuts the ball. If none has a part of it, the cell lies outside.
+  // Every plane cuts the ball. If none has a face inside the ball, the cell lies outside of it.
   if (disks == 0) return {0, 0, doubts_, 0, 0};
   const auto euler = static_cast<std::int32_t>(2 - inside_ + segments_ - disks);
   bend.add(-*next_angle);
