@@ -9,7 +9,8 @@
 
 namespace vdwmesh::distance {
 
-// As kernels read it. Subintervals of triangles end at rising positions, Å².
+// The area as kernels read it. The area of the mesh is an interval (Å²) in which triangle follows
+// on triangle; the arrays have the ends of their subintervals, which rise.
 struct AreaView {
   const double* starts;  // of the blocks of triangles, and the area of all
   const double* ends;    // of the triangles

@@ -50,7 +50,8 @@ class OrderedSamples {
   std::uint64_t count_ = 0;
 };
 
-// As sample_patch() of the host: the exposed points of the lattice.
+// Appends the exposed points of the lattice, as sample_patch() does on the host. The lanes of the
+// warp take points in turns.
 __device__ void append_inside(const Patch& patch, double density, Random& random,
                               OrderedSamples& samples) {
   const SphereLattice lattice = lattice_on(patch, density, random);
@@ -66,7 +67,8 @@ __device__ void append_inside(const Patch& patch, double density, Random& random
   }
 }
 
-// As sample_border() of the host: exposed points of circles, then corners.
+// Appends exposed points of circles and then corners, as sample_border() does on the host. The
+// lanes of the warp take points in turns.
 __device__ void append_border(const Patch& patch, double density, Random& random,
                               OrderedSamples& samples) {
   const double r = patch.ball.radius;

@@ -20,7 +20,7 @@ struct CellFrame {
   std::uint32_t first_cell;  // number of its first cell
 };
 
-// As kernels read it. Frame number = set × levels + level.
+// The cells as kernels read them. Frame number = set × levels + level.
 struct BatchCellsView {
   const Sphere* spheres;     // by list place
   const std::uint32_t* id;   // [list place]: index in the batch

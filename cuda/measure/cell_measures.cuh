@@ -33,7 +33,7 @@ __device__ __forceinline__ Complex operator*(const Complex& a, const Complex& b)
 inline constexpr double kPi = 3.14159265358979323846;
 // What else raises a doubt; the tolerances that both backends have are in arrangement/arcs/doubts.
 using arcs::kMaxError, arcs::kMaxOpen, arcs::kNearlyParallel, arcs::kRounding, arcs::kTinyAngle;
-// Of a vertex whose distance from the sphere is kTouching: squared distance from the centre,
+// A vertex at the distance kTouching from the sphere has this squared distance from the centre,
 // less 1.
 inline constexpr double kNearSphere = 2 * arcs::kTouching;
 inline constexpr double kTangent = 2e-10;  // Gram determinant of an edge and its corner

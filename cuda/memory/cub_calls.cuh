@@ -7,10 +7,10 @@
 
 namespace vdwmesh {
 
-// Runs algorithm(scratch, bytes), a call of a CUB algorithm, twice, as CUB wants it: with a null
-// pointer it only writes to `bytes` how much scratch memory it needs, with memory it does the work.
-// The memory is never empty, because a null pointer would ask again. `what` begins the message of
-// an error.
+// Calls algorithm(scratch, bytes), a call of a CUB algorithm, twice, as CUB requires. The first
+// call has a null pointer and only writes to `bytes` how much scratch memory is needed; the second
+// call does the work. At least one byte is allocated, because the pointer must not be null then.
+// `what` begins the message of an error.
 template <class Algorithm>
 void run_cub(const char* what, cudaStream_t stream, Algorithm algorithm) {
   std::size_t bytes = 0;

@@ -20,7 +20,7 @@ VDWMESH_HD inline double from_ordered(OrderedBits bits) {
   return std::bit_cast<double>(bits >> 63 ? bits & ~(OrderedBits{1} << 63) : ~bits);
 }
 
-// Of all lanes of a warp, which all call it.
+// The least and the largest value of all lanes of a warp. All lanes must call.
 __device__ inline OrderedBits least_of_warp(OrderedBits x) {
   for (int step = 16; step > 0; step /= 2) x = min(x, __shfl_xor_sync(kAllLanes, x, step));
   return x;

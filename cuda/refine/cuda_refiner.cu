@@ -15,7 +15,7 @@ DeviceSurface::DeviceSurface(const SphereSet& spheres, const RefineOptions& opti
       spheres_(upload(spheres.spheres().data(), spheres.size(), stream.get())),
       view_{options.projection, list_.view(), projection_model(options), spheres_.data()} {}
 
-// As projection_list() does, the list is of balls or of the field.
+// Builds the list of the balls or of the field, whichever projection_list() would return.
 DeviceSurface::DeviceSurface(const DeviceFrames::Data& balls, const RefineOptions& options)
     : list_(build_cell_list(balls, projection_model(options))),
       view_{options.projection, list_.view(), projection_model(options), balls.rows.data()} {}

@@ -21,8 +21,8 @@
 namespace vdwmesh {
 namespace {
 
-// Of fewer spheres the list is made on the host in less time than the device takes to begin with so
-// many small steps.
+// With fewer spheres, the host makes the list in less time than the launches of the many small
+// kernels take.
 constexpr std::size_t kSpheresWorthBuilding = 8192;
 
 constexpr unsigned kThreads = 256;

@@ -17,7 +17,8 @@ struct AreaByPolarity {
   double polar, apolar, unclassified;
 };
 
-// Nothing if the radius set of the molecule has no polarity. Sphere i of the union is atom i.
+// Returns the polar and apolar parts of the exposed area; empty if the radius set of the molecule
+// has no polarity. Precondition: sphere i of the union is atom i.
 std::optional<AreaByPolarity> area_by_polarity(const Molecule& molecule, const ExactUnion& exact);
 
 // Adds up the areas of atoms, of a residue or more.

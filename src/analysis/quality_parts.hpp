@@ -14,7 +14,7 @@ struct TriangleShapes {
   Buffer<double> aspect_ratios;   // of the triangles with an area above 0 only
 };
 
-// Of the own triangles.
+// The shapes of the own triangles.
 TriangleShapes triangle_shapes(const MeshPart& part);
 // The length of each own edge, once, in the order of the edges' smaller vertices, Å. Precondition:
 // `buckets` were made from the triangles of the mesh.

@@ -15,7 +15,8 @@ struct ChosenSpheres {
   std::vector<SphereId> ids;  // [i]: of spheres[i] in the whole set
 };
 
-// Those for which is_chosen(id, sphere), which is called once for each sphere, in their order.
+// Chooses the spheres for which is_chosen(id, sphere) is true. It is called once for each sphere,
+// in their order.
 template <class IsChosen>
 ChosenSpheres choose(const SphereSet& spheres, const IsChosen& is_chosen) {
   ChosenSpheres chosen;

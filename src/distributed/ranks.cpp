@@ -126,7 +126,7 @@ std::int64_t Ranks::shared_on_host(std::int64_t value) const {
 
 void Ranks::share_on_host(std::span<std::byte> bytes) const {
   share_bytes_among(host_->ranks, bytes);
-  MPI_Barrier(host_->ranks);  // a broadcast of nothing waits for nobody
+  MPI_Barrier(host_->ranks);  // a broadcast of no bytes would not wait for the other ranks
 }
 
 void Ranks::share_among_hosts(std::span<std::byte> bytes) const {

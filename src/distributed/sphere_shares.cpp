@@ -13,8 +13,9 @@
 namespace vdwmesh {
 namespace {
 
-// Of the lengths that are compared, and of the coordinates: more than spheres that are taken for
-// touching are apart (arcs/doubts.hpp), and than differences of coordinates are rounded by.
+// Relative margins. kSlack, of the lengths that are compared, exceeds the gap at which spheres are
+// still taken to touch (arcs/doubts.hpp). kRounding, of the coordinates, exceeds the rounding of
+// their differences.
 constexpr double kSlack = 1e-6, kRounding = 1e-14;
 
 int longest_axis(const Box& box) {

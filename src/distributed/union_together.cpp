@@ -57,7 +57,7 @@ struct Part {
   std::vector<SphereId> suspects;           // ids in the whole set
   std::vector<NumberedBall> near_suspects;  // likewise
   Totals totals;                            // without the suspects' areas and volumes
-  std::vector<MeasuredSphere> measured;     // without the suspects; empty if nobody wants them
+  std::vector<MeasuredSphere> measured;     // without the suspects; empty if not asked for
 };
 
 void check_memory(const Ranks& ranks, const SphereSet& spheres, const SphereShare& share,

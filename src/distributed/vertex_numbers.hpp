@@ -16,25 +16,26 @@ namespace vdwmesh {
 
 class VertexNumbers {
  public:
-  // Of the rank with this number, without any vertices yet.
+  // The numbers of this rank, which has no vertices yet.
   explicit VertexNumbers(std::size_t rank = 0) : rank_(rank) {}
 
   // Adds a generation, of which rank r owns counts[r] vertices.
   void append(std::span<const std::uint64_t> counts);
 
-  // Own vertices [begin, end), which have the numbers from `first` on.
+  // The own vertices with local numbers [begin, end). Their numbers in the whole mesh begin at
+  // `first`.
   struct Run {
     std::uint64_t first;
     std::size_t begin, end;
   };
-  // One for each generation.
+  // One run for each generation.
   const std::vector<Run>& runs() const { return runs_; }
 
   std::uint64_t whole() const { return whole_; }  // the vertices of all ranks
   std::size_t own() const { return runs_.empty() ? 0 : runs_.back().end; }
 
   std::uint64_t number_of(std::size_t own_vertex) const;
-  // Nothing if another rank owns the vertex.
+  // The local number of a vertex; empty if another rank owns it.
   std::optional<std::size_t> own_vertex(std::uint64_t number) const;
   std::size_t owner_of(std::uint64_t number) const;
 

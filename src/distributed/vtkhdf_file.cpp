@@ -1,6 +1,6 @@
 // write_vtkhdf(): the first rank lays out the file, and every rank writes its vertices and
-// triangles to their places in it, as it does in a PLY file. What is not in memory as the file
-// wants it is made a stretch at a time.
+// triangles to their places in it, as it does in a PLY file. Arrays whose form in the file differs
+// from that in memory are converted one stretch after another.
 #include "distributed/vtkhdf_file.hpp"
 
 #include <fmt/format.h>
@@ -78,7 +78,7 @@ void write_triangles_of(const SurfacePiece& piece, bool holds_end, const VtkHdfP
   write_made(file, places.types, first, count, [](std::size_t) { return kTriangleType; });
 }
 
-// Writes all but the arrays, whose places it returns.
+// Writes everything but the contents of the arrays, and returns where these go.
 VtkHdfPlaces write_layout(const MeshSize& size, SharedFile& file) {
   VtkHdfLayout layout;
   try {

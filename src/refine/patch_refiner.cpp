@@ -26,7 +26,8 @@
 namespace vdwmesh {
 namespace {
 
-// The patches of a mesh of some level, as constrained_midpoints.hpp wants them.
+// The Constraint (constrained_midpoints.hpp) of a PatchedMesh at some level: its pieces are
+// patches.
 class PatchConstraint {
  public:
   PatchConstraint(const SphereSet& atoms, const std::vector<SurfacePatch>& patches,

@@ -32,8 +32,8 @@ class CapOrder {
   std::vector<std::uint32_t> order_;
 };
 
-// The cosine, in steps of 2^-18, with the index below it: keys are distinct. A NaN counts as -1;
-// what comes of it is told when the cap is cut off.
+// A sort key: the cosine in steps of 2^-18, and the index of the cap in the lower bits, so that
+// keys are distinct. NaN counts as -1; the cut by that cap raises the doubt kNotFinite.
 inline std::int32_t sort_key(const Cap& cap, std::size_t index) {
   constexpr double kSteps = 1 << 18;
   const double cosine = cap.cosine > -1 ? (cap.cosine < 1 ? cap.cosine : 1) : -1;

@@ -14,7 +14,7 @@
 //   D = sum over e of H_e × (signed distance of the orthogonal centre from e) / 6
 // The chord is divided into the heights of orthogonal centres of tetrahedra, and the half chords to
 // exposed corners. In a tetrahedron a solid angle is the sum of three dihedral angles less π.
-// Of balls that are not to be measured r and h are left out of these sums.
+// Balls that are not to be measured contribute no r and no h to these sums.
 //
 // Every template computes with a type of interval T, which is Interval or WideInterval, and gives
 // intervals of doubles. With Interval, the processor must round upward. Where a simplex is known to

@@ -39,7 +39,7 @@ class BrickMesher {
 
   // The vertices and triangles of the bricks in the range that count() was given.
   MeshSize size() const;
-  // Those of the bricks around the range.
+  // The vertices of the bricks around the range.
   HaloVertices halo() const;
 
   // Throws LimitExceeded if a mesh of size() exceeds a limit (check_mesh_limits()). The memory that
