@@ -20,7 +20,8 @@ constexpr const char* kHeader =
     "mesh_area,exact_volume,measured,polarity,polar_area,apolar_area,unclassified_area,"
     "relative_area,relative_main_chain,relative_side_chain,relative_polar,relative_apolar\n";
 
-// What the atoms of a row share; empty where they need not.
+// What the atoms of a row have in common: model, chain, residue number and residue name. The last
+// two are empty in rows of chains.
 using Key = std::tuple<std::int32_t, std::string, std::string, std::string>;
 
 Key key_of(const Atom& atom, AtomGroup group) {
@@ -37,7 +38,8 @@ struct Row {
   ResidueSum parts;  // of the exact area
 };
 
-// Which row each atom adds to; rows in the order of their first atoms.
+// Makes the rows, in the order of their first atoms, and appends to `row_of_atom` the row of each
+// atom.
 std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
                            std::vector<std::size_t>& row_of_atom) {
   std::vector<Row> rows;
@@ -92,7 +94,7 @@ std::string relative_fields(const Row& row, const PerAtomTable& table) {
                      csv_number(relative.apolar));
 }
 
-// What and where the atoms of a row are. What they do not share has no value for the row.
+// Appends what and where the atoms of a row are. Fields in which they differ are empty.
 void print_place(std::string& csv, const Row& row, double probe) {
   const auto& [model, chain, residue_number, residue_name] = row.key;
   csv += fmt::format("{},{},{},{},", model, csv_field(chain), csv_field(residue_number),

@@ -13,7 +13,7 @@
 namespace vdwmesh::apps {
 namespace {
 
-// Of each input once, however many cases it is in.
+// The warnings of all inputs, each once. An input is in several cases.
 std::vector<std::string> warnings_of(const PipelineBench& bench) {
   std::vector<std::string> all;
   for (const PipelineCase& done : bench.cases) {
@@ -27,7 +27,7 @@ std::vector<std::string> warnings_of(const PipelineBench& bench) {
 
 }  // namespace
 
-// A warning of the reader would get lost between the rows of the table.
+// Warnings of the reader are printed before the table, not when they come up between its rows.
 void run_pipeline_bench(const Options& options) {
   VerbSession session(options.machine);
   const PipelineBench bench = time_pipeline(options, [&](std::size_t done, std::size_t cases) {

@@ -29,7 +29,7 @@ std::string capitals(std::string_view text) { return upper_case(trimmed(text)); 
 El single_letter(char c) { return gemmi::impl::find_single_letter_element(upper_case(c)); }
 
 // The element with this symbol of two letters, or of one letter if the other character is a blank.
-// X for elements past lawrencium, which exist for moments: "NH1A" is nitrogen, never nihonium.
+// X for elements past lawrencium, which no structure contains: "NH1A" is nitrogen, never nihonium.
 // Deuterium (D) is the exception, because gemmi lists it behind all elements.
 El two_letters(char first, char second) {
   const std::array<char, 3> symbol{first, second, '\0'};

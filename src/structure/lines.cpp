@@ -11,7 +11,7 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
-// The same, of which the last five have consecutive codes.
+// The same characters: the codes of all but the blank itself follow each other.
 bool is_white_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 // The index of the first LF or CR; the length of the text if it has neither. Both are looked for in
