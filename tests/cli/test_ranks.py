@@ -74,10 +74,12 @@ class Meshes(RanksTest):
         self.assertNotIn('"total"', document)
         document = re.sub(r',?\s*"made by [^"]*each"', "", document)
         document = re.sub(r'"(memory_limit|memory_estimate|threads)": \w+', "", document)
+        document = re.sub(r'"seconds": [-+.e\w]+', "", document)  # of the arrangement
         return result.stderr.replace("vdwmesh-mpi", "vdwmesh"), mesh.read_bytes(), document
 
     def assert_same_file(self, path, *options, ranks):
-        if "--spacing" not in options:  # without any option the plain program follows the creases
+        # Without any option the plain program follows the creases, and ranks do not.
+        if "--spacing" not in options and "--mesher" not in options:
             options = (*options, "--spacing", "0.5")
         errors, mesh, report = self.mesh(self.run_ok, path, "--backend", "cpu", *options)
         for count in ranks:
@@ -143,6 +145,55 @@ class Meshes(RanksTest):
     def test_subdivisions_of_sparse_sets(self):
         for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
             self.assert_same_file(path, *self.REFINED, "--probe", "1.4", "--subdivide", "2", ranks=(3,))
+
+    EXACT = ("--mesher", "exact", "--edge-length", "0.8")
+
+    def test_crease_exact(self):
+        """Every rank splits the pieces of arcs that any of them wants split."""
+        self.assert_same_file(UBIQUITIN, *self.EXACT, ranks=(1, 2, 3, 5, 7))
+        self.assertGreater(json.loads((self.folder / "report.json").read_text())["mesh"]["arrangement"]["split"], 1000)
+        self.assert_same_file(UBIQUITIN, *self.EXACT, "--probe", "1.4", "--relative-edge", "0.3", ranks=(3,))
+
+    def test_crease_exact_with_lengths_of_atoms(self):
+        """The first rank alone knows the atoms."""
+        self.assert_same_file(UBIQUITIN, *self.EXACT, "--edge-length-of", "element O", "0.3", ranks=(2,))
+
+    def test_crease_exact_levels(self):
+        for level, ranks in ((1, (1, 2, 3, 5, 7)), (2, (2, 7))):
+            self.assert_same_file(UBIQUITIN, *self.EXACT, "--subdivide", level, ranks=ranks)
+        self.assert_same_file(UBIQUITIN, *self.EXACT, "--subdivide", "1", "--project", "none", ranks=(3,))
+
+    def test_crease_exact_of_joined_corners(self):
+        """Cubes of a lattice meet in points and in edges, where fans of triangles are parted across ranks; and balls
+        that touch."""
+        lattice = [(x, y, z) for x in range(4) for y in range(4) for z in range(4)]
+        corners = "".join(f"{x} {y} {z} {3 ** 0.5 / 2!r}\n" for x, y, z in lattice)
+        touching = "".join(f"{2 * x} {2 * y} {2 * z} 1\n" for x, y, z in lattice)
+        checkers = "".join(f"{x} {y} {z} {3 ** 0.5 / 2!r}\n" for x, y, z in lattice if (x + y + z) % 2 == 0)
+        for name, text in (("corners", corners), ("touching", touching), ("checkers", checkers), ("one", ONE_ATOM),
+                           ("far", FAR_APART), ("twins", TWINS)):  # fmt: skip
+            path = self.file(f"{name}.xyzr", text)
+            self.assert_same_file(path, *self.EXACT, ranks=(2, 5))
+            self.assert_same_file(path, *self.EXACT, "--subdivide", "1", ranks=(3,))
+
+    def test_crease_exact_of_reference_molecules(self):
+        for path in sorted(need_shared("molecules/thesis").iterdir()):
+            self.assert_same_file(path, *self.EXACT, ranks=(3,))
+
+    def test_crease_exact_of_sparse_sets(self):
+        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
+            if path.name not in ("pencil4.xyzr", "pencil4b.xyzr"):
+                self.assert_same_file(path, *self.EXACT, "--subdivide", "1", ranks=(3,))
+
+    def test_curves_that_cannot_be_told_apart(self):
+        """All ranks give up alike, with the line of the plain program."""
+        path = need_shared("molecules/sparse") / "pencil4.xyzr"
+        mesh = ("mesh", path, "-o", self.folder / "a.ply", *self.EXACT)
+        plain = run(*mesh)
+        self.assertEqual(plain.returncode, LIMIT_HIT)
+        ranks = run_ranks(3, *mesh)
+        self.assertEqual(ranks.returncode, LIMIT_HIT)
+        self.assertEqual(ranks.stderr, plain.stderr.replace("vdwmesh: ", "vdwmesh-mpi: "))
 
     def test_standard_input_is_of_the_first_rank(self):
         expected = self.assert_same_file(UBIQUITIN, ranks=())
