@@ -1,9 +1,13 @@
-// Exact measures of the solvent-excluded surface for Python. Arrays of a result are views of the
-// ExcludedMeasures, which they keep alive together.
+// Exact measures of the solvent-excluded surface for Python, on the CPU or a device. Arrays of a
+// result are views of the ExcludedMeasures, which they keep alive together.
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
 #include "call.hpp"
+#include "core/errors.hpp"
+#include "cuda/backend.hpp"
+#include "devices.hpp"
+#include "excluded/excluded_measurer.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "topics.hpp"
 
@@ -33,19 +37,35 @@ py::dict dict_of(const ExcludedSurface& s) {
       "area"_a = s.area, "volume"_a = s.volume, "contact_area"_a = s.area_by_kind.contact,
       "saddle_area"_a = s.area_by_kind.saddle, "concave_area"_a = s.area_by_kind.concave,
       "accessible_area"_a = s.accessible_area, "accessible_volume"_a = s.accessible_volume,
-      "topology"_a = topology_of(s), "probes"_a = s.counts.probes,
-      "low_probes"_a = s.counts.low_probes, "crowded_probes"_a = s.counts.crowded_probes,
-      "closure"_a = c.closure, "check_volume"_a = c.check_volume,
-      "extended_decisions"_a = c.extended_decisions, "ties"_a = c.ties,
-      "uncertified_patches"_a = c.uncertified_patches);
+      "topology"_a = topology_of(s), "euler_characteristic"_a = s.euler_characteristic,
+      "probes"_a = s.counts.probes, "low_probes"_a = s.counts.low_probes,
+      "crowded_probes"_a = s.counts.crowded_probes, "closure"_a = c.closure,
+      "check_volume"_a = c.check_volume, "extended_decisions"_a = c.extended_decisions,
+      "ties"_a = c.ties, "uncertified_patches"_a = c.uncertified_patches);
 }
 
-// The measures of the complete surface, of the exterior one, and the atoms' shares in the complete
-// one: rows of contact, saddle and concave area, and volume.
+ExcludedMeasures measure_on_device(const SphereSet& atoms, double probe, Monitor& monitor) {
+  ExcludedBatch found =
+      make_excluded_measurer(Backend::cuda)->measure(batch_of(atoms), probe, &monitor);
+  ExcludedMeasures out{probe, surface_of(found, 0), {}};
+  out.complete.per_atom = std::move(found.per_atom);
+  return out;
+}
+
+// The measures of the complete surface, of the exterior one, which a device leaves out, and the
+// atoms' shares in the complete one: rows of contact, saddle and concave area, and volume.
 py::tuple excluded(const py::buffer& coords, const py::buffer& radii, double probe, bool topology,
-                   std::optional<int> threads) {
+                   std::optional<int> threads, const std::string& device) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
+  const bool on_device = backend_of(device) == Backend::cuda;
+  if (on_device && topology) {
+    throw BackendUnavailable("device: the CPU alone finds the shells of the excluded surface");
+  }
   const auto found = call(threads, [&](Monitor& monitor) {
+    if (on_device) {
+      return std::make_shared<const ExcludedMeasures>(
+          measure_on_device(spheres_of(centers, sizes, 0), probe, monitor));
+    }
     ExcludedOptions options{.probe = probe, .per_atom = true, .exterior = true};
     options.shells = topology;
     options.monitor = &monitor;
@@ -55,8 +75,9 @@ py::tuple excluded(const py::buffer& coords, const py::buffer& radii, double pro
   const auto& atoms = found->complete.per_atom;
   static_assert(sizeof(ExcludedAtom) == 4 * sizeof(double));
   const auto* rows = reinterpret_cast<const double*>(atoms.data());
-  return py::make_tuple(dict_of(found->complete), dict_of(found->exterior.value()),
-                        array_of(found, rows, atoms.size(), 4));
+  py::object exterior = py::none();
+  if (found->exterior) exterior = dict_of(*found->exterior);
+  return py::make_tuple(dict_of(found->complete), exterior, array_of(found, rows, atoms.size(), 4));
 }
 
 }  // namespace

@@ -106,8 +106,8 @@ def exact(
     radii : array_like, shape (N,), or the name of a set (as of `read`) or a path, optional
         Radii, Å. A molecule brings its own. Beside coordinates on a device they may be there too.
     surface : {"vdw", "excluded"}
-        "excluded" measures the solvent-excluded surface of the atoms instead, on the CPU; `atoms`
-        and `method` are not of it.
+        "excluded" measures the solvent-excluded surface of the atoms instead; `atoms` and `method`
+        are not of it.
     probe : float, optional
         Added to every radius, Å; 0 by default. With 1.4 the area is the solvent-accessible one. Of
         the excluded surface the radius of the probe, 1.4 by default.
@@ -123,7 +123,8 @@ def exact(
     threads : int, optional
         At most so many; all cores by default.
     device : {"auto", "cpu", "cuda"}
-        A CUDA device measures areas and volumes by "arcs"; "auto" uses it from 500,000 atoms on.
+        A CUDA device measures areas and volumes by "arcs"; "auto" uses it from 500,000 atoms on. Of
+        the excluded surface "auto" is the CPU, and "cuda" leaves topology and exterior out.
 
     Returns
     -------
@@ -147,9 +148,9 @@ def exact(
     (18.849556, 7.068583)
     """
     if surface == "excluded":
-        if atoms is not None or method != "auto" or device == "cuda":
-            raise InvalidInput('surface: "excluded" has neither atoms nor a method, and no device')
-        return measure_excluded(*arrays_of(coords, radii)[:2], probe, topology, threads)
+        if atoms is not None or method != "auto":
+            raise InvalidInput('surface: "excluded" has neither atoms nor a method')
+        return measure_excluded(*arrays_of(coords, radii)[:2], probe, topology, threads, device)
     if surface != "vdw":
         raise InvalidInput(f"surface: {surface!r}; there are vdw and excluded")
     centers, sizes, _ = arrays_anywhere(coords, radii, device)

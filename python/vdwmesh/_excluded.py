@@ -59,6 +59,8 @@ class ExcludedSurface:
         Of the balls grown by the probe, Å², Å³.
     topology : ExcludedTopology or None
         None where it was not asked for.
+    euler_characteristic : int or None
+        That of the topology; a device knows it without the shells.
     probes, low_probes, crowded_probes : int
         Probes that touch three or more atoms; those nearer than their radius to the plane of three;
         those that touch more than three.
@@ -77,6 +79,7 @@ class ExcludedSurface:
     accessible_area: float
     accessible_volume: float
     topology: ExcludedTopology | None
+    euler_characteristic: int | None
     probes: int
     low_probes: int
     crowded_probes: int
@@ -95,8 +98,8 @@ class ExcludedMeasures(ExcludedSurface):
     ----------
     probe : float
         Å.
-    exterior : ExcludedSurface
-        The surface of the solid with its cavities filled up.
+    exterior : ExcludedSurface or None
+        The surface of the solid with its cavities filled up; None from a device.
     atom_area, atom_volume : ndarray of float64, shape (N,)
         Å², Å³; they sum to area and volume.
     atom_contact_area, atom_saddle_area, atom_concave_area : ndarray of float64, shape (N,)
@@ -104,7 +107,7 @@ class ExcludedMeasures(ExcludedSurface):
     """
 
     probe: float
-    exterior: ExcludedSurface
+    exterior: ExcludedSurface | None
     atom_area: Floats
     atom_contact_area: Floats
     atom_saddle_area: Floats
@@ -113,14 +116,14 @@ class ExcludedMeasures(ExcludedSurface):
 
 
 def measure_excluded(
-    centers: Any, sizes: Any, probe: float | None, topology: Any, threads: Any
+    centers: Any, sizes: Any, probe: float | None, topology: Any, threads: Any, device: str
 ) -> ExcludedMeasures:
     """The excluded surface of atoms that have been brought into form."""
     radius = WATER_PROBE if probe is None else number("probe", probe)
     if topology not in (True, False):
         raise InvalidInput(f"topology: {topology!r}; the excluded surface knows True and False")
     complete, exterior, rows = _core.excluded(
-        centers, sizes, radius, bool(topology), thread_count(threads)
+        centers, sizes, radius, bool(topology), thread_count(threads), device
     )
     shares = view(rows)
     area = shares[:, :3].sum(axis=1)
@@ -128,7 +131,7 @@ def measure_excluded(
     return ExcludedMeasures(
         **_surface(complete),
         probe=radius,
-        exterior=ExcludedSurface(**_surface(exterior)),
+        exterior=None if exterior is None else ExcludedSurface(**_surface(exterior)),
         atom_area=area,
         atom_contact_area=shares[:, 0],
         atom_saddle_area=shares[:, 1],

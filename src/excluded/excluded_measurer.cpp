@@ -156,6 +156,21 @@ class CpuExcludedMeasurer final : public ExcludedMeasurer {
 
 }  // namespace
 
+ExcludedSurface surface_of(const ExcludedBatch& batch, std::size_t set) {
+  const ExcludedTotals& t = batch.totals.at(set);
+  ExcludedSurface s{};
+  s.area = t.area;
+  s.volume = t.volume;
+  s.area_by_kind = t.area_by_kind;
+  s.layer_by_kind = t.layer_by_kind;
+  s.accessible_area = t.accessible_area;
+  s.accessible_volume = t.accessible_volume;
+  s.euler_characteristic = t.euler_characteristic;
+  s.counts = t.counts;
+  s.checks = {t.closure, t.check_volume, batch.host_patches, 0, t.uncertified_patches};
+  return s;
+}
+
 std::unique_ptr<ExcludedMeasurer> make_cpu_excluded_measurer() {
   return std::make_unique<CpuExcludedMeasurer>();
 }

@@ -6,6 +6,7 @@
 // surface tells, its shells, components and exterior part, is in excluded_measures().
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -41,6 +42,10 @@ struct ExcludedBatch {
   std::uint64_t host_balls = 0, host_circles = 0, host_corners = 0, host_patches = 0, host_sets = 0;
   std::string fallback;  // why the CPU measured what was meant for a device; empty if it did not
 };
+
+// A set's totals in the form of excluded_measures(), without shells and atoms. Its
+// `extended_decisions` are the concave patches of the whole batch that a device left to the host.
+ExcludedSurface surface_of(const ExcludedBatch& batch, std::size_t set);
 
 class ExcludedMeasurer {
  public:

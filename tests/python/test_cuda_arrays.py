@@ -147,6 +147,23 @@ class DeviceTest(unittest.TestCase):
                 for radii in (self.radii, self.molecule.radii):
                     self.assert_same_mesh(vdwmesh.mesh(self.coords, radii, **options), expected)
 
+    def test_the_excluded_surface_is_that_of_the_cpu(self):
+        expected = vdwmesh.exact(self.molecule, surface="excluded", topology=True, device="cpu")
+        found = vdwmesh.exact(self.molecule, surface="excluded", device="cuda")
+        # 1e-11 of area and volume, as ExcludedMeasurer promises; an atom's share may be wrong by the whole of that.
+        for name in ("area", "contact_area", "saddle_area", "concave_area"):
+            self.assertLessEqual(abs(getattr(found, name) - getattr(expected, name)), 1e-11 * expected.area)
+            atoms = "atom_" + name
+            worst = np.abs(getattr(found, atoms) - getattr(expected, atoms)).max()
+            self.assertLessEqual(worst, 1e-11 * expected.area)
+        self.assertLessEqual(abs(found.volume - expected.volume), 1e-11 * expected.accessible_volume)
+        self.assertEqual((found.probes, found.low_probes), (expected.probes, expected.low_probes))
+        self.assertEqual(found.euler_characteristic, expected.topology.euler_characteristic)
+        self.assertIsNone(found.topology)
+        self.assertIsNone(found.exterior)
+        with self.assertRaises(vdwmesh.BackendUnavailable):
+            vdwmesh.exact(self.molecule, surface="excluded", device="cuda", topology=True)
+
     def test_layouts(self):
         coords = self.molecule.coords[:100]
         wide = np.zeros((3, 100, 2))

@@ -52,8 +52,10 @@ class ExcludedTest(ProgramTest):
                 self.assertEqual(getattr(ours, name), block[name])
             self.assertEqual(ours.topology.cavities, block["cavities"])
             self.assertEqual([s.genus for s in ours.topology.shells], [s["genus"] for s in block["shells"]])
+            self.assertEqual(ours.euler_characteristic, ours.topology.euler_characteristic)
         close(found.atom_area.sum(), found.area)
         close(found.atom_volume.sum(), found.volume)
+        self.assertIsNone(vdwmesh.exact(molecule, surface="excluded").euler_characteristic)
 
     def test_refusals(self):
         for options in ({"atoms": [0]}, {"method": "arcs"}, {"probe": 0}, {"topology": "counts"}):
@@ -61,6 +63,11 @@ class ExcludedTest(ProgramTest):
                 vdwmesh.exact([[0, 0, 0]], [1.5], surface="excluded", **options)
         with self.assertRaises(vdwmesh.InvalidInput):
             vdwmesh.exact([[0, 0, 0]], [1.5], surface="sas")
+        with self.assertRaises(vdwmesh.InvalidInput):
+            vdwmesh.exact([[0, 0, 0]], [1.5], surface="excluded", device="gpu")
+        # A device makes no shells; without one there is nothing to ask.
+        with self.assertRaises(vdwmesh.BackendUnavailable):
+            vdwmesh.exact([[0, 0, 0]], [1.5], surface="excluded", device="cuda", topology=True)
 
 
 class FormulaTest(unittest.TestCase):
