@@ -19,20 +19,37 @@ void describe(A& a, const MeshProof& proof) {
   a("extrapolated_volume_error", proof.extrapolated_volume_error);
 }
 
-// Distances may be left out while the rest is there, so each of their members is null by itself.
 template <class A>
-void describe(A& a, const ComparisonReport& comparison) {
-  const auto& distances = comparison.distances;
-  using D = MeshDistances;
-  a("surface", comparison.surface);
+void describe_errors(A& a, const Comparison& comparison) {
   a("area_relative_error", comparison.area_relative_error);
   a("volume_relative_error", comparison.volume_relative_error);
   a("euler_characteristic_difference", comparison.euler_characteristic_difference);
-  a("proof", comparison.proof);
+}
+
+// Distances may be left out while the rest is there, so each of their members is null by itself.
+template <class A>
+void describe_distances(A& a, const std::optional<MeshDistances>& distances) {
+  using D = MeshDistances;
   a("mesh_to_surface", of(distances, &D::mesh_to_surface));
   a("surface_to_mesh", of(distances, &D::surface_to_mesh));
   a("hausdorff_lower_bound", of(distances, &D::hausdorff_lower_bound));
   a("samples", of(distances, &D::samples)), a("seed", of(distances, &D::seed));
+}
+
+template <class A>
+void describe(A& a, const Comparison& comparison) {
+  describe_errors(a, comparison);
+  describe_distances(a, comparison.distances);
+}
+
+template <class A>
+void describe(A& a, const ComparisonReport& comparison) {
+  const auto& distances = comparison.distances;
+  a("surface", comparison.surface);
+  describe_errors(a, comparison);
+  a("proof", comparison.proof);
+  a("exterior", comparison.exterior);
+  describe_distances(a, distances);
   a("distances_backend", distances ? std::optional(comparison.distances_backend) : std::nullopt);
   a("distances_reason", comparison.distances_reason);
 }

@@ -2,6 +2,7 @@
 // found into the report of the session.
 #include "excluded_steps.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -46,18 +47,8 @@ void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per
   const SphereSet atoms = to_spheres(molecule, 0);
   ExcludedBatch found =
       make_excluded_measurer(Backend::cuda)->measure(batch_of(atoms), probe, session.monitor);
-  const ExcludedTotals& t = found.totals.front();
-  ExcludedSurface& s = report.excluded.emplace(ExcludedMeasures{probe, {}, {}}).complete;
-  s.area = t.area;
-  s.volume = t.volume;
-  s.area_by_kind = t.area_by_kind;
-  s.layer_by_kind = t.layer_by_kind;
-  s.accessible_area = t.accessible_area;
-  s.accessible_volume = t.accessible_volume;
-  s.euler_characteristic = t.euler_characteristic;
-  s.counts = t.counts;
-  // Ties among the decisions of the host are not counted here.
-  s.checks = {t.closure, t.check_volume, found.host_patches, /*ties=*/0, t.uncertified_patches};
+  ExcludedSurface& s =
+      report.excluded.emplace(ExcludedMeasures{probe, surface_of(found, 0), {}}).complete;
   if (per_atom == Switch::on) s.per_atom = std::move(found.per_atom);
   report.note(
       "on cuda, the complete surface without its shells; the CPU decided about {} balls, {} "
@@ -144,14 +135,33 @@ std::uint64_t plan_excluded_mesh(const Structure& structure, double probe,
 
 namespace {
 
-// A mesh without voids may well be one of the exterior surface alone.
-void note_cavities(const ExcludedSurface& exact, Report& report) {
-  if (!exact.topology || exact.topology->cavities == 0) return;
-  if (report.mesh->topology.voids.value_or(1) != 0) return;
+// A mesh without walls of cavities may well be one of the exterior surface alone, if its topology
+// is not that of the complete one.
+bool may_be_exterior(const Report& report) {
+  return report.mesh->topology.voids.value_or(0) == 0 &&
+         report.comparison->euler_characteristic_difference.value_or(1) != 0;
+}
+
+void compare_with_exterior(const IndexedMesh& mesh, const SphereSet& atoms,
+                           const DistanceChoice& choice, const DistanceOptions& options,
+                           Report& report) {
+  const ExcludedMeasures& exact = *report.excluded;
+  const auto& topology = exact.complete.topology;
+  if (!exact.exterior || !topology) return;
+  // A cavity is one even if its probes overlap those outside, so that its walls are no shell.
+  const auto cavities =
+      std::ranges::count(topology->components, true, &AccessibleComponent::is_cavity);
+  if (cavities == 0) return;
+  Comparison& comparison = report.comparison->exterior.emplace(
+      compare(report.mesh->topology, report.mesh->measures, *exact.exterior));
+  if (!may_be_exterior(report)) return;
   report.note(
-      "the exact surface has the walls of {} cavities, and the mesh none: if it is of the exterior "
-      "surface alone, compare it with that column",
-      exact.topology->cavities);
+      "the exact surface has {} cavities, and the mesh no walls of any: it may be of the "
+      "exterior surface alone, with which it is compared too",
+      cavities);
+  if (choice.distances == Switch::off) return;
+  comparison.distances =
+      excluded_distances(mesh, atoms, exact.probe, options, ExcludedPart::exterior);
 }
 
 }  // namespace
@@ -163,13 +173,13 @@ void compare_with_excluded(const IndexedMesh& mesh, const SphereSet& atoms,
   ComparisonReport& comparison = report.comparison.emplace(
       compare(report.mesh->topology, report.mesh->measures, excluded.complete));
   comparison.surface = ExactSurface::excluded;
+  const DistanceOptions options{choice.samples_per_area, choice.seed, session.machine.memory_limit,
+                                session.monitor};
   if (choice.distances == Switch::on) {
-    comparison.distances = excluded_distances(
-        mesh, atoms, excluded.probe,
-        {choice.samples_per_area, choice.seed, session.machine.memory_limit, session.monitor});
+    comparison.distances = excluded_distances(mesh, atoms, excluded.probe, options);
     comparison.distances_reason = "distances to the excluded surface are measured on the CPU";
   }
-  note_cavities(excluded.complete, report);
+  compare_with_exterior(mesh, atoms, choice, options, report);
   session.end_stage(&Timing::compare);
 }
 

@@ -41,6 +41,8 @@ std::uint64_t plan_excluded_mesh(const Structure& structure, double probe,
 
 // Compares the mesh with the exact surface and measures the distances between them. `atoms` are
 // without the probe. Precondition: both are in the report.
+// If the molecule has cavities, the mesh is held against the exterior surface as well; the
+// distances to that are measured if the mesh has no walls of cavities.
 void compare_with_excluded(const IndexedMesh& mesh, const SphereSet& atoms,
                            const DistanceChoice& choice, Session& session);
 

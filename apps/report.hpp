@@ -135,6 +135,7 @@ struct MeshProof {
 struct ComparisonReport : Comparison {
   ExactSurface surface = ExactSurface::vdw;     // that the mesh is compared with
   std::optional<MeshProof> proof;               // of meshes along the curves of the surface
+  std::optional<Comparison> exterior;           // with the exterior excluded surface
   Backend distances_backend = Backend::cpu;     // that measured the distances
   std::optional<std::string> distances_reason;  // why automatic did not take CUDA for them
 };

@@ -68,6 +68,18 @@ void distance_row(Text out, std::string_view label, const DistanceStatistics& d)
                  d.rms_error, "Å");
 }
 
+void distance_table(Text out, const MeshDistances& distances, std::string_view title,
+                    std::string_view remark) {
+  fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", title, "mean", "rms", "95 %",
+                 "99 %", "max");
+  distance_row(out, "mesh to surface", distances.mesh_to_surface);
+  distance_row(out, "surface to mesh", distances.surface_to_mesh);
+  fmt::format_to(out, "Hausdorff distance: at least {:.5f} Å ({} samples, seed {}){}\n",
+                 distances.hausdorff_lower_bound, distances.samples, distances.seed, remark);
+}
+
+std::string known(const std::string& text) { return text.empty() ? "not known" : text; }
+
 }  // namespace
 
 // A reader who trusts nothing finds here all that speaks for the mesh, or against it.
@@ -144,14 +156,16 @@ void mesh_text(Text out, const MeshReport& mesh) {
 
 // Both directions: a mesh may lie close to the surface and still lack a part of it.
 void distances_text(Text out, const ComparisonReport& comparison) {
-  const MeshDistances& distances = *comparison.distances;
-  fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", "Distance", "mean", "rms", "95 %",
-                 "99 %", "max");
-  distance_row(out, "mesh to surface", distances.mesh_to_surface);
-  distance_row(out, "surface to mesh", distances.surface_to_mesh);
-  fmt::format_to(out, "Hausdorff distance: at least {:.5f} Å ({} samples, seed {}){}\n",
-                 distances.hausdorff_lower_bound, distances.samples, distances.seed,
+  distance_table(out, *comparison.distances, "Distance",
                  comparison.distances_backend == Backend::cuda ? ", measured on cuda" : "");
+}
+
+void exterior_text(Text out, const Comparison& comparison) {
+  fmt::format_to(out, "\nMesh - exterior surface: area {}, volume {}, Euler characteristic {}\n",
+                 known(percent(comparison.area_relative_error)),
+                 known(percent(comparison.volume_relative_error)),
+                 known(equal_or(comparison.euler_characteristic_difference)));
+  if (comparison.distances) distance_table(out, *comparison.distances, "Distance, exterior", "");
 }
 
 }  // namespace vdwmesh::apps

@@ -142,17 +142,6 @@ void backend_text(Text out, const BackendReport& backend) {
   line(out, "Backend", text);
 }
 
-std::string percent(std::optional<double> relative_error) {
-  return relative_error && std::isfinite(*relative_error)
-             ? fmt::format("{:+.3f} %", 100 * *relative_error)
-             : "";
-}
-
-std::string equal_or(std::optional<std::int64_t> difference) {
-  if (!difference) return "";
-  return *difference == 0 ? "equal" : fmt::format("{:+}", *difference);
-}
-
 std::string on_the_right(const std::string& text, std::size_t width) {
   return blanks(width, text) + text;
 }
@@ -398,6 +387,9 @@ std::string to_text(const Report& report) {
   }
   if (report.comparison && report.comparison->distances) {
     distances_text(out, *report.comparison);
+  }
+  if (report.comparison && report.comparison->exterior) {
+    exterior_text(out, *report.comparison->exterior);
   }
   text += '\n';
   if (report.picture) text += picture_text(*report.picture);

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,6 +26,17 @@ inline void line(Text out, std::string_view label, std::string text) {
 // An area, a volume or a count in the report's table.
 inline std::string figure_text(double value) { return fmt::format("{:.3f}", value); }
 
+// How far a figure of the mesh is from the exact one; nothing if that is not known.
+inline std::string percent(std::optional<double> relative_error) {
+  return relative_error && std::isfinite(*relative_error)
+             ? fmt::format("{:+.3f} %", 100 * *relative_error)
+             : "";
+}
+inline std::string equal_or(std::optional<std::int64_t> difference) {
+  if (!difference) return "";
+  return *difference == 0 ? "equal" : fmt::format("{:+}", *difference);
+}
+
 // What a mesh is, how it was made, and how good its triangles are.
 void mesh_text(Text out, const MeshReport& mesh);
 // What speaks for a mesh along the curves of the surface, or against it. The comparison has a
@@ -30,5 +44,7 @@ void mesh_text(Text out, const MeshReport& mesh);
 void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& mesh);
 // Both directions: a mesh may lie close to the surface and still lack a part of it.
 void distances_text(Text out, const ComparisonReport& comparison);
+// The same of the exterior excluded surface, with the errors of area, volume and topology.
+void exterior_text(Text out, const Comparison& comparison);
 
 }  // namespace vdwmesh::apps

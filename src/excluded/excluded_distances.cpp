@@ -56,11 +56,11 @@ void check_bytes(const IndexedMesh& mesh, std::size_t atoms, std::uint64_t limit
 }  // namespace
 
 std::vector<double> excluded_signed_distances(std::span<const Vec3d> points, const SphereSet& atoms,
-                                              double probe, Monitor* monitor) {
+                                              double probe, Monitor* monitor, ExcludedPart part) {
   check_points(points, atoms, "point");
   const SphereSet grown = excluded::grown_by(atoms, probe);
   begin_stage(monitor, "excluded surface", 1);
-  const JudgedSurface surface(atoms, probe, monitor);
+  const JudgedSurface surface(atoms, probe, part, monitor);
   const ExposedSurface accessible(grown, monitor);
   const ExcludedFinder finder(accessible, surface, probe, box_around(bounding_box(grown), points));
   std::vector<double> found(points.size());
@@ -73,12 +73,12 @@ std::vector<double> excluded_signed_distances(std::span<const Vec3d> points, con
 }
 
 MeshDistances excluded_distances(const IndexedMesh& mesh, const SphereSet& atoms, double probe,
-                                 const DistanceOptions& options) {
+                                 const DistanceOptions& options, ExcludedPart part) {
   const SphereSet grown = excluded::grown_by(atoms, probe);
   const DistancePlan plan = plan_distances(mesh, grown, options);
   check_bytes(mesh, atoms.size(), options.memory_limit);
   begin_stage(options.monitor, "excluded surface", 1);
-  const JudgedSurface surface(atoms, probe, options.monitor);
+  const JudgedSurface surface(atoms, probe, part, options.monitor);
   const ExposedSurface accessible(grown, options.monitor);
   DistanceStatistics of_mesh{};
   {
@@ -94,8 +94,7 @@ MeshDistances excluded_distances(const IndexedMesh& mesh, const SphereSet& atoms
     };
     of_mesh = mesh_to_surface(mesh, {find, largest}, options);
   }
-  const SurfaceSamples samples(surface, accessible.patches(), probe, plan.surface_density,
-                               options.seed);
+  const SurfaceSamples samples(surface, accessible, probe, plan.surface_density, options.seed);
   const DistanceStatistics of_surface =
       from_surface(samples, MeshFinder(mesh, plan.world), options.monitor);
   return both_ways(of_mesh, of_surface, options.seed);

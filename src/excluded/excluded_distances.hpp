@@ -1,9 +1,10 @@
 // Distances to the solvent-excluded surface of a set of balls: signed ones of points, and those
 // between a mesh of any program and the surface, in both directions.
 //
-// The surface is the complete one of excluded_measures.hpp, with the walls of cavities. Distances
-// are to its nearest point, which may be inside a patch, on a crease or in a cusp; they are exact
-// up to rounding. docs/excluded_surface.md states what is computed, and proves it.
+// The surface is the complete one of excluded_measures.hpp, with the walls of cavities, or the
+// exterior one, inside of which cavities lie. Distances are to its nearest point, which may be
+// inside a patch, on a crease or in a cusp; they are exact up to rounding. docs/excluded_surface.md
+// states what is computed, and proves it.
 #pragma once
 
 #include <span>
@@ -11,6 +12,7 @@
 
 #include "analysis/distances.hpp"
 #include "core/monitor.hpp"
+#include "excluded/excluded_measures.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -20,7 +22,8 @@ namespace vdwmesh {
 // above 0 and finite, or if a coordinate is not finite, and Cancelled on request of the monitor.
 // The result does not depend on the number of threads.
 std::vector<double> excluded_signed_distances(std::span<const Vec3d> points, const SphereSet& atoms,
-                                              double probe, Monitor* monitor = nullptr);
+                                              double probe, Monitor* monitor = nullptr,
+                                              ExcludedPart part = ExcludedPart::complete);
 
 // Computes what distances() computes, with the excluded surface in place of the boundary of a union
 // of balls; the samples on the mesh are the same ones. Samples on the surface lie on lattices on
@@ -31,7 +34,8 @@ std::vector<double> excluded_signed_distances(std::span<const Vec3d> points, con
 // Throws as distances() does, and InvalidInput for a probe that is not above 0 and finite. The
 // memory that is checked includes the triangulation of the atoms.
 MeshDistances excluded_distances(const IndexedMesh& mesh, const SphereSet& atoms, double probe,
-                                 const DistanceOptions& options = {});
+                                 const DistanceOptions& options = {},
+                                 ExcludedPart part = ExcludedPart::complete);
 
 // Upper bound of the bytes that excluded_distances() takes beside the mesh, for molecules.
 std::uint64_t excluded_distances_bytes(const MeshSize& mesh, std::uint64_t atoms);

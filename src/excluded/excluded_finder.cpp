@@ -12,6 +12,11 @@
 // x, so |q - c_j| >= R_j - |q - x|: no gap is less than that of ball i. Therefore one test of that
 // foot and one search of all arcs find x.
 //
+// If only the outer region counts as accessible, a foot in a cavity is not x. A q in a cavity has x
+// on an arc as well: were x in the interior of a patch of ball i, q would be on the ray from x
+// through c_i, no farther than c_i, because else points of the patch around x are nearer; so q
+// would be inside of ball i.
+//
 // Steps for one point, the cheapest test first:
 //  1. If the point is outside all grown balls, the distance is σ + p. If the foot on the ball of
 //     least gap is exposed, it is x. Then z is a point of an atom's sphere, which no probe reaches,
@@ -65,7 +70,23 @@ struct Searched {
   std::span<const CircleArc> curves;  // creases and cusps of the excluded surface
   std::span<const CircleArc> arcs;    // of the accessible surface
   double probe, tolerance;            // Å
+  const JudgedSurface& surface;
+  const SphereId* sphere_of;  // by list place
 };
+
+// Whether the foot of a point on the ball of least gap is a place of a probe that counts: then the
+// accessible surface is as far as the gap says. The centre of a ball has no foot; the arcs, which
+// are as far, decide about it.
+bool is_decided(const Searched& s, const Vec3d& point, const LeastGap& least) {
+  if (!is_settled(s.accessible, point, least)) return false;
+  if (s.surface.includes_all()) return true;
+  const Patch& patch = s.accessible.patches[least.patch];
+  const Vec3d from_center = point - patch.ball.center;
+  const double length = norm(from_center);
+  if (!(length > 0)) return false;
+  const Vec3d foot = patch.ball.center + (patch.ball.radius / length) * from_center;
+  return s.surface.includes_place(s.sphere_of[patch.place], foot);
+}
 
 // The distance to the nearest crease or cusp, Å, if that is below `bound` (Å); otherwise the bound.
 // The search ends early at a curve no farther than `least` (Å), because the caller only needs to
@@ -117,11 +138,11 @@ bool is_beyond_probes(const Searched& s, const Vec3d& point, const NearestArc& n
   const Vec3d z = x + (s.probe / length) * to;
   const LeastGap at_z = find_least_gap(s.accessible, z, least.patch);
   // No probe reaches z if every accessible point is at least this far from z. None is nearer than
-  // minus the least gap. If z is settled, it has one at just that distance, or is accessible
+  // minus the least gap. If z is decided, it has one at just that distance, or is accessible
   // itself.
   const double out_of_reach = s.probe - s.tolerance;
   if (-at_z.gap >= out_of_reach) return true;
-  if (is_settled(s.accessible, z, at_z)) return false;
+  if (is_decided(s, z, at_z)) return false;
   const double squared = out_of_reach * out_of_reach;
   return nearest_arc(s, z, 0, squared, nearest.arc).squared >= squared;
 }
@@ -131,7 +152,7 @@ bool is_beyond_probes(const Searched& s, const Vec3d& point, const NearestArc& n
 double distance_of(const Searched& s, const Vec3d& point, const LeastGap& least,
                    std::uint32_t& hint) {
   const double to_atom = least.gap + s.probe;
-  if (is_settled(s.accessible, point, least)) return to_atom;
+  if (is_decided(s, point, least)) return to_atom;
   // No accessible point is nearer than minus the gap. Rounding may give an arc a little less.
   const double squared_gap = least.gap * least.gap;
   const NearestArc nearest =
@@ -163,19 +184,19 @@ VDWMESH_MULTIVERSION void measure_all(const Searched& s, std::span<const Vec3d> 
 // factor 4 keeps the tolerance clear of that error (docs/excluded_surface.md, "In double").
 ExcludedFinder::ExcludedFinder(const ExposedSurface& accessible, const JudgedSurface& surface,
                                double probe, const Box& world)
-    : curves_(surface.curves),
-      arcs_(surface.arcs),
+    : surface_(surface),
+      sphere_of_(accessible.list().id),
       probe_(probe),
       tolerance_(4 * kExposureTolerance * largest_radius(accessible.patches())),
       accessible_(accessible, world),
-      curve_tree_(tree_of(curves_, world)),
-      arc_tree_(tree_of(arcs_, world)) {}
+      curve_tree_(tree_of(surface.curves, world)),
+      arc_tree_(tree_of(surface.arcs, world)) {}
 
 void ExcludedFinder::find(std::span<const Vec3d> points, double* found) const {
   std::vector<LeastGap> nearest(points.size());
   accessible_.find_gaps(points, nearest.data());
-  measure_all({accessible_.view(), curve_tree_.view(), arc_tree_.view(), curves_, arcs_, probe_,
-               tolerance_},
+  measure_all({accessible_.view(), curve_tree_.view(), arc_tree_.view(), surface_.curves,
+               surface_.arcs, probe_, tolerance_, surface_, sphere_of_},
               points, nearest.data(), found);
 }
 

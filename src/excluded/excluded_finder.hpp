@@ -8,6 +8,8 @@
 //    point in which the ray from x through the point leaves the probe at x. If no other probe
 //    reaches z, the distance is σ + p. Otherwise it is the distance to the nearest crease or cusp.
 //  - It is never more than the distance to the nearest atom.
+// So it is for the exterior surface, if the accessible points are those of the outer region alone.
+// σ is then the signed distance to that region's border, and negative in cavities too.
 #pragma once
 
 #include <span>
@@ -19,7 +21,7 @@ namespace vdwmesh::excluded {
 
 class ExcludedFinder {
  public:
-  // `accessible` is the boundary of the grown balls of `surface`, `probe` the radius, Å. `world`
+  // `accessible` is the boundary of all grown balls of `surface`, `probe` the radius, Å. `world`
   // must contain all grown balls and all later query points. Both surfaces must outlive this.
   ExcludedFinder(const ExposedSurface& accessible, const JudgedSurface& surface, double probe,
                  const Box& world);
@@ -29,7 +31,8 @@ class ExcludedFinder {
   void find(std::span<const Vec3d> points, double* found) const;
 
  private:
-  std::span<const CircleArc> curves_, arcs_;
+  const JudgedSurface& surface_;
+  const SphereId* const sphere_of_;  // by list place
   const double probe_;
   double tolerance_;  // Å
   SurfaceFinder accessible_;

@@ -43,6 +43,9 @@ struct ExcludedOptions {
   Monitor* monitor = nullptr;
 };
 
+// Which surface is meant: the complete one, or that of the solid with its cavities filled up.
+enum class ExcludedPart : std::uint8_t { complete, exterior };
+
 // One number for each kind of patch.
 struct ByPatchKind {
   double contact, saddle, concave;

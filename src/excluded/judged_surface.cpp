@@ -1,11 +1,17 @@
 // JudgedSurface: makes the concave patches that other probes cut, on all cores, and lists the arcs
 // of their creases and the cusps of spindles.
+//
+// Of a ball whose exposed pieces belong to different components, a point is in the piece to which
+// the nearest of all arcs around them belongs: the shortest way on the sphere to that arc leaves
+// the piece nowhere. Chords from one point of a sphere to others are ordered as these ways are.
 #include "excluded/judged_surface.hpp"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "arrangement/directions.hpp"
@@ -15,6 +21,11 @@ namespace vdwmesh::excluded {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
+
+std::vector<std::uint8_t> components_of(const AccessibleSurface& surface, ExcludedPart part) {
+  if (part == ExcludedPart::exterior) return surface.outer_components();
+  return std::vector<std::uint8_t>(surface.components.size(), 1);
+}
 
 }  // namespace
 
@@ -71,28 +82,72 @@ Box CircleArc::box() const {
   return box;
 }
 
-JudgedSurface::JudgedSurface(const SphereSet& atoms, double probe, Monitor* monitor)
+JudgedSurface::JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart part,
+                             Monitor* monitor)
     : grown(atoms, probe, monitor),
       unit(std::ldexp(1.0, grown.exponent)),
+      included(components_of(grown.surface, part)),
       cut_of(grown.surface.probes.size(), kNoIndex) {
   make_patches(monitor);
   for (const ConcavePatch& patch : cut) add_creases(patch);
   for (const RolledArc& arc : grown.surface.arcs) {
-    if (arc.dropped) continue;
+    if (!includes(arc)) continue;
     if (arc.spindle) add_cusps(arc);
-    const Vec3d start = arc.is_ring() ? any_orthogonal(arc.axis) : arc.radial[0];
-    arcs.emplace_back(in_angstrom(arc.center), arc.axis, start, unit * arc.circle_radius,
-                      arc.angle);
+    arcs.push_back(in_place(arc));
+  }
+  if (std::ranges::find(included, 0) != included.end()) sort_balls();
+}
+
+CircleArc JudgedSurface::in_place(const RolledArc& arc) const {
+  const Vec3d start = arc.is_ring() ? any_orthogonal(arc.axis) : arc.radial[0];
+  return {in_angstrom(arc.center), arc.axis, start, unit * arc.circle_radius, arc.angle};
+}
+
+void JudgedSurface::sort_balls() {
+  const AccessibleSurface& s = grown.surface;
+  std::vector<std::array<bool, 2>> has(grown.triangulation.balls.size(), {false, false});
+  for (const ContactPiece& piece : s.contacts) has[piece.ball][included[piece.component]] = true;
+  std::size_t spheres = 0;
+  for (const SphereId id : grown.triangulation.ids)
+    spheres = std::max<std::size_t>(spheres, id + 1);
+  pieces_.assign(spheres, Pieces::none_included);
+  for (std::size_t ball = 0; ball < has.size(); ++ball) {
+    if (!has[ball][1]) continue;
+    pieces_[grown.triangulation.ids[ball]] =
+        has[ball][0] ? Pieces::some_included : Pieces::all_included;
+  }
+  for (const RolledArc& arc : s.arcs) {
+    if (arc.dropped) continue;
+    for (const std::uint32_t ball : arc.ball) {
+      const SphereId id = grown.triangulation.ids[ball];
+      if (pieces_[id] != Pieces::some_included) continue;
+      borders_[id].push_back({in_place(arc), includes(arc)});
+    }
   }
 }
 
+bool JudgedSurface::includes_place(SphereId sphere, const Vec3d& point) const {
+  if (includes_all()) return true;
+  if (sphere >= pieces_.size() || pieces_[sphere] == Pieces::none_included) return false;
+  const auto borders = borders_.find(sphere);
+  if (borders == borders_.end()) return true;
+  double nearest = std::numeric_limits<double>::infinity();
+  bool is_included = true;
+  for (const Border& border : borders->second) {
+    const double squared = border.arc.squared_distance(point);
+    if (!(squared < nearest)) continue;
+    nearest = squared;
+    is_included = border.included;
+  }
+  return is_included;
+}
+
 void JudgedSurface::make_patches(Monitor* monitor) {
-  const std::vector<std::uint8_t> all(grown.surface.components.size(), 1);
-  const LowProbes low(grown.surface, all);
+  const LowProbes low(grown.surface, included);
   cut.resize(low.list().size());
   tbb::parallel_for(std::size_t{0}, cut.size(), [&](std::size_t i) {
     advance(monitor, 0);
-    cut[i] = concave_patch(grown.surface, low, all, low.list()[i]);
+    cut[i] = concave_patch(grown.surface, low, included, low.list()[i]);
   });
   for (std::uint32_t i = 0; i < cut.size(); ++i) cut_of[cut[i].probe] = i;
 }

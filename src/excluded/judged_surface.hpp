@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "excluded/concave_patch.hpp"
+#include "excluded/excluded_measures.hpp"
 #include "excluded/grown_atoms.hpp"
 
 namespace vdwmesh::excluded {
@@ -37,17 +39,25 @@ class CircleArc {
   double least_cosine_;  // of the angle from the middle to points of the arc
 };
 
-// The complete surface.
 struct JudgedSurface {
   // Throws as excluded_measures() does.
-  JudgedSurface(const SphereSet& atoms, double probe, Monitor* monitor);
+  JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart part, Monitor* monitor);
 
   const GrownAtoms grown;
-  const double unit;                  // of scaled lengths, in Å: a power of two
+  const double unit;  // of scaled lengths, in Å: a power of two
+  // Of each component of the accessible surface, whether its probes make the judged surface.
+  const std::vector<std::uint8_t> included;
   std::vector<ConcavePatch> cut;      // of low probes, by probe, ascending
   std::vector<std::uint32_t> cut_of;  // by probe: the place in `cut`; kNoIndex: it is whole
   std::vector<CircleArc> curves;      // creases and cusps
-  std::vector<CircleArc> arcs;        // of the accessible surface, on which the probe rolls
+  std::vector<CircleArc> arcs;        // on which the included probes roll
+
+  bool includes(const RolledArc& arc) const {
+    return !arc.dropped && included[grown.surface.contacts[arc.contact[0]].component] != 0;
+  }
+  bool includes_all() const { return pieces_.empty(); }
+  // Whether an accessible point, Å, of the grown ball of a sphere is a place of an included probe.
+  bool includes_place(SphereId sphere, const Vec3d& point) const;
 
   // A scaled position relative to the origin of the accessible surface, in Å.
   Vec3d in_angstrom(const Vec3d& position) const {
@@ -55,10 +65,22 @@ struct JudgedSurface {
   }
 
  private:
+  // The pieces of a ball's exposed part may belong to different components: then the arcs around
+  // them tell the pieces apart.
+  enum class Pieces : std::uint8_t { none_included, all_included, some_included };
+  struct Border {
+    CircleArc arc;
+    bool included;
+  };
+  CircleArc in_place(const RolledArc& arc) const;
+  void sort_balls();
   void make_patches(Monitor* monitor);
   bool has_certified_patch(std::uint32_t probe) const;
   void add_creases(const ConcavePatch& patch);
   void add_cusps(const RolledArc& arc);
+
+  std::vector<Pieces> pieces_;  // by sphere; empty: all components are included
+  std::unordered_map<SphereId, std::vector<Border>> borders_;
 };
 
 }  // namespace vdwmesh::excluded

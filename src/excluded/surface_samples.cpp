@@ -84,9 +84,17 @@ void SurfaceSamples::add_contact(const Patch& grown, Random random, std::vector<
                                  std::vector<Vec3d>& border) const {
   Patch patch = grown;
   patch.ball.radius -= probe_;
-  sample_patch(patch, density_, random, [&](const Vec3d& point) { inside.push_back(point); });
+  const double growth = grown.ball.radius / patch.ball.radius;
+  const auto is_included = [&](const Vec3d& point) {
+    const Vec3d& center = grown.ball.center;
+    return surface_.includes_place(sphere_of_[grown.place], center + growth * (point - center));
+  };
+  sample_patch(patch, density_, random, [&](const Vec3d& point) {
+    if (is_included(point)) inside.push_back(point);
+  });
   for (std::uint32_t i = 0; i < patch.corner_count; ++i) {
-    border.push_back(patch.ball.center + patch.ball.radius * patch.corners[i].position);
+    const Vec3d corner = patch.ball.center + patch.ball.radius * patch.corners[i].position;
+    if (is_included(corner)) border.push_back(corner);
   }
 }
 
@@ -102,7 +110,7 @@ Vec3d SurfaceSamples::on_saddle(const RolledArc& arc, double turn, double profil
 // spread them along it.
 void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, std::vector<Vec3d>& inside,
                                 std::vector<Vec3d>& border) const {
-  if (arc.dropped) return;
+  if (!surface_.includes(arc)) return;
   constexpr double kInverseGoldenRatio = 0.6180339887498948482;
   const double p = surface_.grown.surface.probe_radius, rho = arc.circle_radius;
   for (const ProfileRange& range : ranges_of(arc)) {
@@ -128,6 +136,7 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, std::vector
 void SurfaceSamples::add_concave(std::uint32_t probe, Random random, std::vector<Vec3d>& inside,
                                  std::vector<Vec3d>& border) const {
   const AccessibleSurface& s = surface_.grown.surface;
+  if (surface_.included[s.probes[probe].component] == 0) return;
   const bool is_cut = surface_.cut_of[probe] != kNoIndex;
   const std::vector<PatchSide> sides =
       is_cut ? surface_.cut[surface_.cut_of[probe]].sides : patch_sides(s, s.probes[probe]);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "analysis/exposed_surface.hpp"
 #include "analysis/patch.hpp"
 #include "analysis/sphere_lattice.hpp"
 #include "excluded/judged_surface.hpp"
@@ -16,11 +17,16 @@ namespace vdwmesh::excluded {
 // a random stream of its own, so the samples do not depend on the number of threads.
 class SurfaceSamples {
  public:
-  // `contacts` are the exposed patches of the grown balls, `density` the points per Å². The probe's
+  // `accessible` is the boundary of all grown balls, `density` the points per Å². The probe's
   // radius is in Å.
-  SurfaceSamples(const JudgedSurface& surface, std::span<const Patch> contacts, double probe,
+  SurfaceSamples(const JudgedSurface& surface, const ExposedSurface& accessible, double probe,
                  double density, std::uint64_t seed)
-      : surface_(surface), contacts_(contacts), probe_(probe), density_(density), seed_(seed) {}
+      : surface_(surface),
+        contacts_(accessible.patches()),
+        sphere_of_(accessible.list().id),
+        probe_(probe),
+        density_(density),
+        seed_(seed) {}
 
   std::size_t element_count() const;
 
@@ -40,6 +46,7 @@ class SurfaceSamples {
 
   const JudgedSurface& surface_;
   std::span<const Patch> contacts_;
+  const SphereId* sphere_of_;  // by list place
   double probe_, density_;
   std::uint64_t seed_;
 };

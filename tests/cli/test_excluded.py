@@ -308,6 +308,36 @@ class ExcludedReport(ProgramTest):
             self.assert_refused(LIMIT_HIT, *verb, "--surface", "excluded", "--edge-length", "0.01",
                                 "--memory-limit", "200M", says=("memory", "--edge-length"))
 
+    def test_a_mesh_of_the_outside_alone(self):
+        """A cube of eight atoms around a cavity, and a ball that fills the cavity: one exterior surface."""
+        cage = "".join(f"{x} {y} {z} 1.5\n" for x in (-2, 2.1) for y in (-2.05, 2) for z in (-2, 2.02))
+        walls = "".join(f"{s * x} {s * y} {s * z} 1.7\n" for x, y, z in ((2.2, 0, 0), (0, 2.2, 0), (0, 0, 2.2))
+                        for s in (-1, 1))  # fmt: skip
+        hollow = self.file("hollow.xyzr", cage + walls)
+        filled = self.file("filled.xyzr", cage + walls + "0 0 0 0.9\n")
+        options, path = ("--surface", "excluded", "--probe", "0.4"), self.folder / "outside.ply"
+        self.run_ok("mesh", filled, *options, "--edge-length", "0.3", "-o", path)
+        alone, beside = (self.report("compare", path, atoms, *options) for atoms in (filled, hollow))
+        self.assertIsNone(alone["comparison"]["exterior"])
+        self.assertEqual(beside["excluded"]["complete"]["cavities"], 1)
+        outside, expected = beside["comparison"]["exterior"], alone["comparison"]
+        self.assertEqual(outside["euler_characteristic_difference"], 0)
+        self.assertEqual(beside["comparison"]["euler_characteristic_difference"], -2)
+        for key in ("area_relative_error", "volume_relative_error"):
+            self.assert_close(outside[key], expected[key], 1e-9)
+        self.assert_close(outside["mesh_to_surface"]["mean"], expected["mesh_to_surface"]["mean"], 1e-9)
+        self.assertLess(outside["surface_to_mesh"]["max"], 0.1)
+        self.assertGreater(beside["comparison"]["surface_to_mesh"]["max"], 0.5)
+        text = self.run_ok("compare", path, hollow, *options).stdout
+        for words in ("Mesh - exterior surface", "Euler characteristic equal", "Distance, exterior"):
+            self.assertIn(words, text)
+        # A mesh with the walls of the cavity is not held to be one of the exterior surface.
+        self.run_ok("mesh", hollow, *options, "--edge-length", "0.3", "-o", path)
+        complete = self.report("compare", path, hollow, *options)["comparison"]
+        self.assertEqual(complete["euler_characteristic_difference"], 0)
+        self.assertEqual(complete["exterior"]["euler_characteristic_difference"], 2)
+        self.assertIsNone(complete["exterior"]["mesh_to_surface"])
+
     def test_refusals(self):
         for option in (("--method", "arcs"), ("--topology", "counts"), ("--probe", "0"), ("--backend", "cuda")):
             self.assert_refused(BAD_INPUT, "report", UBIQUITIN, "--surface", "excluded", *option, says=(option[0],))
