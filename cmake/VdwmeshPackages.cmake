@@ -75,7 +75,7 @@ vdwmesh_package(development NAME libvdwmesh-dev SECTION libdevel
   TEXT "This package has the headers, the static libraries and the package file by
 which CMake finds them."
   DEPENDS "libstdc++-12-dev, libcgal-dev, libeigen3-dev, libopenmesh-dev, libtinygltf-dev, libtbb-dev, libfmt-dev, zlib1g-dev, \
-libarchive-dev, libpng-dev, libfreetype-dev, libepoxy-dev, libegl-dev, pkg-config"
+libdeflate-dev, libarchive-dev, libpng-dev, libfreetype-dev, libepoxy-dev, libegl-dev, pkg-config"
   SUGGESTS "cmake")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/packaging/postinst"

@@ -15,7 +15,7 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build ccache pkg-config git ca-certificates
   libopenmesh-dev libcgal-dev libeigen3-dev gemmi-dev tao-pegtl-dev libtbb-dev libtinygltf-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libmsgpack-cxx-dev libarchive-dev libjs-vega libjs-three
+  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libdeflate-dev libmsgpack-cxx-dev libarchive-dev libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
 )
 # Tests, benchmarks, the program for many processes, the package for Python.

@@ -15,9 +15,11 @@
 #include <cstdint>
 #include <gemmi/model.hpp>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "core/errors.hpp"
+#include "structure/parsed_file.hpp"
 #include "structure/site.hpp"
 
 namespace vdwmesh {
@@ -45,9 +47,10 @@ using Range = std::pair<Sites::iterator, Sites::iterator>;
 // The end of the run of atoms that share the sequence position of `first`.
 Sites::iterator end_of_position(Sites::iterator first, Sites::iterator last) {
   return std::find_if(first, last, [first](const Site& site) {
-    return site.residue != first->residue &&
-           (site.chain != first->chain || site.residue->seqid != first->residue->seqid ||
-            site.residue->segment != first->residue->segment);
+    return site.place->residue != first->place->residue &&
+           (site.place->chain != first->place->chain ||
+            site.place->residue->seqid != first->place->residue->seqid ||
+            site.place->residue->segment != first->place->residue->segment);
   });
 }
 
@@ -57,10 +60,10 @@ template <class Same>
 void entry(std::vector<MeanOccupancy>& means, const Site& site, Same same) {
   auto found = std::find_if(means.begin(), means.end(), same);
   if (found == means.end()) {
-    means.push_back({site.atom->altloc, site.residue});
+    means.push_back({site.atom->altloc, site.place->residue});
     found = means.end() - 1;
   }
-  found->sum += static_cast<double>(site.atom->occ);
+  found->sum += static_cast<double>(site.atom->occupancy);
   ++found->count;
 }
 
@@ -85,7 +88,7 @@ std::vector<MeanOccupancy> means_by_label(Range place) {
 // residues of the position; a residue with unlabelled atoms is always there.
 bool wholly_labelled(Range place, const gemmi::Residue* residue) {
   return std::all_of(place.first, place.second, [residue](const Site& site) {
-    return site.residue != residue || site.atom->altloc != '\0';
+    return site.place->residue != residue || site.atom->altloc != '\0';
   });
 }
 
@@ -94,8 +97,9 @@ bool wholly_labelled(Range place, const gemmi::Residue* residue) {
 const gemmi::Residue* residue_that_stays(Range place, char label) {
   std::vector<MeanOccupancy> means;
   for (auto site = place.first; site != place.second; ++site)
-    if (site->atom->altloc == label && wholly_labelled(place, site->residue))
-      entry(means, *site, [site](const MeanOccupancy& m) { return m.residue == site->residue; });
+    if (site->atom->altloc == label && wholly_labelled(place, site->place->residue))
+      entry(means, *site,
+            [site](const MeanOccupancy& m) { return m.residue == site->place->residue; });
   return means.empty() ? nullptr : highest(means).residue;
 }
 
@@ -123,12 +127,14 @@ class PositionChoice {
   // Marks the atoms of other labels and of the residues that were not chosen. Unlabelled atoms
   // stay. `mixed`: the position has several residues.
   void choose(char label) {
-    const gemmi::Residue* first = place_.first->residue;
-    const bool mixed = std::any_of(place_.first, place_.second,
-                                   [first](const Site& site) { return site.residue != first; });
+    const gemmi::Residue* first = place_.first->place->residue;
+    const bool mixed = std::any_of(place_.first, place_.second, [first](const Site& site) {
+      return site.place->residue != first;
+    });
     chosen_ = mixed ? residue_that_stays(place_, label) : nullptr;
     for (std::size_t i = 0; i < decisions_.size(); ++i) {
-      if (mixed && site(i).residue != chosen_ && wholly_labelled(place_, site(i).residue))
+      if (mixed && site(i).place->residue != chosen_ &&
+          wholly_labelled(place_, site(i).place->residue))
         decisions_[i] = Decision::other_residue;
       else if (site(i).atom->altloc != '\0' && site(i).atom->altloc != label)
         decisions_[i] = Decision::other_label;
@@ -138,14 +144,15 @@ class PositionChoice {
   // Marks unlabelled atoms with an occupancy below 1 if an atom of the same residue and name stays
   // with a label. Some files leave the label of one conformation blank; both atoms would overlap.
   void drop_unlabelled_copies() {
-    std::set<std::pair<const gemmi::Residue*, std::string>> labelled;
+    std::set<std::pair<const gemmi::Residue*, std::string_view>> labelled;
     for (std::size_t i = 0; i < decisions_.size(); ++i)
       if (decisions_[i] == Decision::stays && site(i).atom->altloc != '\0')
-        labelled.emplace(site(i).residue, site(i).atom->name);
+        labelled.emplace(site(i).place->residue, site(i).atom->name);
     for (std::size_t i = 0; i < decisions_.size(); ++i) {
-      const gemmi::Atom& atom = *site(i).atom;
-      const bool blank = decisions_[i] == Decision::stays && atom.altloc == '\0' && atom.occ < 1;
-      if (blank && labelled.count({site(i).residue, atom.name}) != 0)
+      const AtomRecord& atom = *site(i).atom;
+      const bool blank =
+          decisions_[i] == Decision::stays && atom.altloc == '\0' && atom.occupancy < 1;
+      if (blank && labelled.count({site(i).place->residue, atom.name}) != 0)
         decisions_[i] = Decision::other_label;
     }
   }
@@ -154,17 +161,18 @@ class PositionChoice {
   // has them. If one of several residues was chosen, only that residue is completed. Atoms of other
   // residues keep their marks. `held` has the residue and name of each atom that stays.
   void complete(const std::vector<char>& labels) {
-    std::set<std::pair<const gemmi::Residue*, std::string>> held;
+    std::set<std::pair<const gemmi::Residue*, std::string_view>> held;
     for (std::size_t i = 0; i < decisions_.size(); ++i)
-      if (decisions_[i] == Decision::stays) held.emplace(site(i).residue, site(i).atom->name);
+      if (decisions_[i] == Decision::stays)
+        held.emplace(site(i).place->residue, site(i).atom->name);
     for (const char label : labels) {
       // Names are compared with the state before this label, hence the copy: a name may occur twice
       // under one label, and both atoms must come back.
       const auto before = held;
       for (std::size_t i = 0; i < decisions_.size(); ++i) {
         if (decisions_[i] != Decision::other_label || site(i).atom->altloc != label) continue;
-        if (chosen_ && site(i).residue != chosen_) continue;
-        const std::pair name(site(i).residue, site(i).atom->name);
+        if (chosen_ && site(i).place->residue != chosen_) continue;
+        const std::pair name(site(i).place->residue, site(i).atom->name);
         if (before.count(name) != 0) continue;
         decisions_[i] = Decision::stays;
         held.insert(name);

@@ -16,37 +16,35 @@
 namespace vdwmesh {
 namespace {
 
-const AtomRecord& record_of(const Site& site, const ParsedFile& file) {
-  return file.atoms[static_cast<std::size_t>(site.atom->serial)];
-}
-
 // Describes an atom for a message.
-std::string name_of(const Site& site, const AtomRecord& record) {
-  std::string chain = site.chain->name.empty() ? "" : " of chain " + site.chain->name;
+std::string name_of(const Site& site) {
+  const AtomRecord& record = *site.atom;
+  std::string chain = site.place->chain->name.empty() ? "" : " of chain " + site.place->chain->name;
   return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name,
-                     site.residue->name, site.residue->seqid.str(), chain, record.serial,
-                     record.line == 0 ? "number" : "line", record.line);
+                     site.place->residue->name, site.place->residue->seqid.str(), chain,
+                     record.serial, record.line == 0 ? "number" : "line", record.line);
 }
 
 [[noreturn]] void refuse_radius(const Site& site, const ParsedFile& file,
                                 const std::string& radius_set) {
-  const std::string name = name_of(site, record_of(site, file));
+  const std::string name = name_of(site);
   if (file.coarse_grained && site.atom->element == gemmi::El::X)
     throw InvalidInput(
         fmt::format("{}: {} is a bead of a coarse-grained (Martini) model, which stands for "
                     "several atoms and "
                     "has no element; give --radii FILE with a line 'X RADIUS' for all beads, or "
                     "'{} {} RADIUS'",
-                    file.path, name, site.residue->name, site.atom->name));
+                    file.path, name, site.place->residue->name, site.atom->name));
   if (site.atom->element == gemmi::El::X)
     throw InvalidInput(
         fmt::format("{}: the element of {} cannot be told; give --radii FILE with "
                     "a line '{} {} RADIUS'",
-                    file.path, name, site.residue->name, site.atom->name));
-  throw InvalidInput(fmt::format(
-      "{}: the radius set {} has no radius for element {} of {}; give "
-      "--radii FILE with a line '{} RADIUS'",
-      file.path, radius_set, site.atom->element.name(), name, site.atom->element.name()));
+                    file.path, name, site.place->residue->name, site.atom->name));
+  throw InvalidInput(
+      fmt::format("{}: the radius set {} has no radius for element {} of {}; give "
+                  "--radii FILE with a line '{} RADIUS'",
+                  file.path, radius_set, gemmi::element_name(site.atom->element), name,
+                  gemmi::element_name(site.atom->element)));
 }
 
 // What was assumed, by element; of united atoms also by residue and atom.
@@ -55,10 +53,11 @@ class Account {
   explicit Account(bool by_atom) : by_atom_(by_atom) {}
 
   void add(const Site& site, const RadiusTable::Entry& entry) {
-    if (entry.renamed) ++renamed_[site.residue->name];
+    if (entry.renamed) ++renamed_[site.place->residue->name];
     if (!entry.assumed) return;
-    const std::string residue = by_atom_ ? site.residue->name : "",
-                      atom = by_atom_ ? site.atom->name : "", element = site.atom->element.name();
+    const std::string residue = by_atom_ ? site.place->residue->name : "",
+                      atom(by_atom_ ? site.atom->name : std::string_view()),
+                      element = gemmi::element_name(site.atom->element);
     const AssumedRadius first{element, entry.radius, 0, residue, atom};
     ++assumed_.try_emplace({residue, atom, element}, first).first->second.count;
   }
@@ -88,10 +87,10 @@ class LookUp {
   explicit LookUp(const RadiusTable& table) : table_(table), by_element_(table.is_by_element()) {}
 
   const std::optional<RadiusTable::Entry>& find(const Site& site) {
-    const gemmi::Element element = site.atom->element;
-    std::optional<RadiusTable::Entry>& entry = found_[static_cast<std::size_t>(element.elem)];
+    const gemmi::El element = site.atom->element;
+    std::optional<RadiusTable::Entry>& entry = found_[static_cast<std::size_t>(element)];
     if (!by_element_ || !entry)
-      entry = table_.find(site.residue->name, site.atom->name, element.name());
+      entry = table_.find(site.place->residue->name, site.atom->name, gemmi::element_name(element));
     return entry;
   }
 

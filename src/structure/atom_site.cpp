@@ -1,7 +1,7 @@
 // The hierarchy is the one that gemmi makes of mmCIF files: a change of the chain's name begins a
 // chain, and a residue is looked for among those of the chain before it is added, so rows of one
-// residue may stand apart. gemmi::Atom::serial is the index of the row from 0, so that it is also
-// the index of the row's AtomRecord.
+// residue may stand apart. Residues are numbered as they are opened. That is their order in the
+// hierarchy unless rows go back to an earlier model; then finish() numbers them anew.
 #include "structure/atom_site.hpp"
 
 #include <fmt/format.h>
@@ -10,9 +10,11 @@
 #include <cmath>
 #include <gemmi/mmcif.hpp>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "core/letters.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
@@ -53,12 +55,23 @@ bool same_letters(std::string_view a, std::string_view b) {
 // Throws, and names the coordinate that is at fault.
 [[noreturn]] void refuse_position(const AtomSiteRow& row, const AtomRecord& record,
                                   const std::string& path) {
-  const std::array<double, 3> values{row.position.x, row.position.y, row.position.z};
   std::size_t axis = 0;
-  while (axis < 2 && std::isfinite(values[axis])) ++axis;
+  while (axis < 2 && std::isfinite(row.position[static_cast<int>(axis)])) ++axis;
   refuse(path,
          fmt::format("row {} of _atom_site (id {}): Cartn_{} is {}, not a finite number",
                      record.line, record.serial, "xyz"[axis], in_quotes(row.position_texts[axis])));
+}
+
+// Texts of BinaryCIF are the same bytes in all rows with this text.
+bool same_text(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && (a.data() == b.data() || a == b);
+}
+
+// gemmi's element of a symbol, of which it looks at two letters.
+gemmi::El element_of(std::string_view symbol) {
+  std::array<char, 3> letters{};
+  symbol.substr(0, 2).copy(letters.data(), 2);
+  return gemmi::find_element(letters.data());
 }
 
 // The subchains of each entity. gemmi fills in the table _struct_asym; if the file lacks it, the
@@ -107,25 +120,35 @@ AtomSiteLayout completed_layout(AtomSiteLayout layout, const std::string& path) 
   return layout;
 }
 
+void AtomSiteBuilder::reserve(std::size_t rows) {
+  file_.atoms.reserve(rows);
+  advise_large_pages(file_.atoms.data(), rows);
+}
+
+void AtomSiteBuilder::open_model(const AtomSiteRow& row) {
+  model_ = &gemmi::impl::find_or_add(models_, std::string(row.model));
+  chain_ = nullptr;
+}
+
 void AtomSiteBuilder::open_chain(const AtomSiteRow& row) {
   chain_ = &model_->chains.emplace_back(std::string(row.chain));
   residue_ = nullptr;
   largest_number_ = std::numeric_limits<int>::min();
+  chains_.push_back({static_cast<std::size_t>(model_ - models_.data()), residues_});
 }
 
 // A number above all others of the chain is that of a new residue. Chains that count up, as nearly
 // all do, are therefore never searched, which would take time quadratic in their length.
 void AtomSiteBuilder::open_residue(const AtomSiteRow& row) {
   const int number = row.sequence.num.value;
-  const std::size_t room = residue_ ? residue_->atoms.size() : 0;
   gemmi::ResidueId id;
   id.seqid = row.sequence;
   id.name = row.residue;
   residue_ = number > largest_number_ ? nullptr : chain_->find_residue(id);
   largest_number_ = std::max(largest_number_, number);
   if (residue_) return;
+  ++residues_;
   residue_ = &chain_->residues.emplace_back(id);
-  residue_->atoms.reserve(room);  // the next residue is often of the same kind as the last
   residue_->subchain = row.subchain;
   residue_->entity_id = row.entity;
   const char kind = row.group.empty() ? '\0' : upper_case(row.group.front());
@@ -134,44 +157,60 @@ void AtomSiteBuilder::open_residue(const AtomSiteRow& row) {
 
 // gemmi knows no element for a symbol with a charge ("O2-"). If the file gives no symbol, the names
 // of atom and residue decide.
-void AtomSiteBuilder::set_element(const AtomSiteRow& row, gemmi::Atom& atom, AtomRecord& record) {
-  atom.element = gemmi::Element(std::string(row.symbol));
-  if (atom.element != gemmi::El::X) return;
+void AtomSiteBuilder::set_element(const AtomSiteRow& row, AtomRecord& record) {
+  record.element = element_of(row.symbol);
+  if (record.element != gemmi::El::X) return;
   record.element_guessed = row.symbol.empty();
   if (row.symbol.empty() && is_martini_bead(row.atom, row.residue)) file_.coarse_grained = true;
-  atom.element = gemmi::Element(row.symbol.empty() ? element_of_bare_name(row.atom, row.residue)
-                                                   : element_of_symbol(row.symbol));
+  record.element = element_of(row.symbol.empty() ? element_of_bare_name(row.atom, row.residue)
+                                                 : element_of_symbol(row.symbol));
 }
 
 void AtomSiteBuilder::add(const AtomSiteRow& row) {
-  AtomRecord record;
-  record.line = static_cast<std::uint32_t>(file_.atoms.size()) + 1;
+  AtomRecord& record = file_.atoms.emplace_back();
+  record.line = static_cast<std::uint32_t>(file_.atoms.size());
   record.serial = row.id.value_or(record.line);
   record.hetero = !row.group.empty() && upper_case(row.group.front()) == 'H';
-  const gemmi::Position& p = row.position;
+  record.position = row.position;
+  const Vec3d& p = record.position;
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
     refuse_position(row, record, file_.path);
-  if (!model_ || model_->name != row.model) {
-    model_ = &gemmi::impl::find_or_add(models_, std::string(row.model));
-    chain_ = nullptr;
-  }
-  if (!chain_ || chain_->name != row.chain) open_chain(row);
-  if (!residue_ || residue_->seqid != row.sequence || residue_->name != row.residue)
+  if (!model_ || !same_text(last_.model, row.model)) open_model(row);
+  if (!chain_ || !same_text(last_.chain, row.chain)) open_chain(row);
+  if (!residue_ || last_.sequence != row.sequence || !same_text(last_.residue, row.residue))
     open_residue(row);
-  gemmi::Atom& atom = residue_->atoms.emplace_back();
-  atom.name = row.atom;
-  atom.altloc = row.altloc;
-  atom.serial = static_cast<int>(file_.atoms.size());
-  atom.pos = p;
-  atom.occ = row.occupancy;
-  atom.b_iso = row.b_iso;
-  set_element(row, atom, record);
-  file_.atoms.push_back(record);
+  last_ = {row.model, row.chain, row.residue, row.sequence};
+  record.residue =
+      chains_.back().first_residue + static_cast<std::uint32_t>(residue_ - chain_->residues.data());
+  record.name = row.atom;
+  record.altloc = row.altloc;
+  record.occupancy = row.occupancy;
+  record.b_iso = row.b_iso;
+  set_element(row, record);
+}
+
+// Numbers residues in the order of the hierarchy. Those of a chain have consecutive numbers.
+void AtomSiteBuilder::number_residues() {
+  const auto by_model = [](const ChainPlace& a, const ChainPlace& b) { return a.model < b.model; };
+  if (std::is_sorted(chains_.begin(), chains_.end(), by_model)) return;
+  std::vector<std::size_t> order(chains_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return by_model(chains_[a], chains_[b]); });
+  std::vector<std::uint32_t> number_of(residues_);  // by the number so far
+  std::uint32_t next = 0;
+  for (const std::size_t chain : order) {
+    const std::uint32_t end =
+        chain + 1 < chains_.size() ? chains_[chain + 1].first_residue : residues_;
+    for (std::uint32_t i = chains_[chain].first_residue; i < end; ++i) number_of[i] = next++;
+  }
+  for (AtomRecord& atom : file_.atoms) atom.residue = number_of[atom.residue];
 }
 
 void AtomSiteBuilder::finish(gemmi::cif::Block& rest) {
   if (file_.atoms.empty())
     refuse(file_.path, "its _atom_site table has no rows, so there is nothing to mesh");
+  number_residues();
   file_.assemblies = take_assembly_tables(rest);
   gemmi::Structure& structure = *file_.structure;
   structure = gemmi::make_structure_from_block(rest);

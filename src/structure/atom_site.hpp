@@ -66,14 +66,14 @@ struct AtomSiteLayout {
 // lacks coordinates, chains, residue numbers, or the names of residues or atoms.
 AtomSiteLayout completed_layout(AtomSiteLayout layout, const std::string& path);
 
-// One row. Texts are without quotes, and empty for a value that is not given; they must last until
-// AtomSiteBuilder::add() returns. Chain, residue and atom are named as the author named them.
+// One row. Texts are without quotes, and empty for a value that is not given; they must last as
+// long as the ParsedFile. Chain, residue and atom are named as the author named them.
 struct AtomSiteRow {
   std::string_view group, symbol, atom, residue, chain, subchain, entity, model;
   std::optional<std::int64_t> id;  // nothing: not given, or no integer
   char altloc = '\0';              // '\0': none
   gemmi::SeqId sequence;           // the residue's number and insertion code
-  gemmi::Position position;        // Å; NaN where the value is no number
+  Vec3d position{};                // Å; NaN where the value is no number
   float occupancy = 1, b_iso = 50;
   std::array<std::string_view, 3> position_texts;  // as they stand in the file, for messages
 };
@@ -84,7 +84,7 @@ class AtomSiteBuilder {
   explicit AtomSiteBuilder(ParsedFile& file) : file_(file) {}
 
   // Makes room for that many rows.
-  void reserve(std::size_t rows) { file_.atoms.reserve(rows); }
+  void reserve(std::size_t rows);
 
   // Adds one row. Throws FileFormatError if its position is not finite.
   void add(const AtomSiteRow& row);
@@ -95,12 +95,26 @@ class AtomSiteBuilder {
   void finish(gemmi::cif::Block& rest);
 
  private:
+  // What decides whether a row is of the same residue as the one before.
+  struct RowPlace {
+    std::string_view model, chain, residue;
+    gemmi::SeqId sequence;
+  };
+  struct ChainPlace {
+    std::size_t model;            // index in models_
+    std::uint32_t first_residue;  // number of the first residue
+  };
+  void open_model(const AtomSiteRow& row);
   void open_chain(const AtomSiteRow& row);
   void open_residue(const AtomSiteRow& row);
-  void set_element(const AtomSiteRow& row, gemmi::Atom& atom, AtomRecord& record);
+  void set_element(const AtomSiteRow& row, AtomRecord& record);
+  void number_residues();
 
   ParsedFile& file_;
   std::vector<gemmi::Model> models_;
+  std::vector<ChainPlace> chains_;  // in the order in which they were opened
+  std::uint32_t residues_ = 0;      // opened so far
+  RowPlace last_;
   gemmi::Model* model_ = nullptr;  // of the last row, as chain_ and residue_
   gemmi::Chain* chain_ = nullptr;
   gemmi::Residue* residue_ = nullptr;

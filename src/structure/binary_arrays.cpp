@@ -48,6 +48,58 @@ Buffer<To> elements_of(Bytes bytes) {
   return values;
 }
 
+// The elements of IntegerPacking become values: each is the sum of the elements up to the first
+// that is not at a limit of its type.
+class Unpacking {
+ public:
+  static constexpr std::size_t kBlock = 32;
+
+  Unpacking(std::int32_t lower, std::int32_t upper) : lower_(lower), upper_(upper) {}
+
+  // Takes a block of elements, and writes at most kBlock values to `next`, whose end it returns.
+  // Returns null, and has taken none, if a sum has more than 32 bits.
+  std::int32_t* take_block(const std::int32_t* block, std::int32_t* next) {
+    if (!is_open_ && !any_at_limit(block)) return std::copy_n(block, kBlock, next);
+    // Without branches on what is at a limit: the processor could not foresee them.
+    std::int64_t sum = is_open_ ? sum_ : 0, wide = 0;
+    bool is_open = is_open_;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      sum += block[i];
+      const auto value = static_cast<std::int32_t>(sum);
+      wide |= sum - value;
+      *next = value;
+      is_open = is_limit(block[i]);
+      next += !is_open;
+      sum &= -static_cast<std::int64_t>(is_open);
+    }
+    if (wide != 0) return nullptr;
+    sum_ = sum;
+    is_open_ = is_open;
+    return next;
+  }
+
+  // Takes one element and returns the sum so far, which is a value unless is_open().
+  std::int64_t take(std::int32_t element) {
+    sum_ = element + (is_open_ ? sum_ : 0);
+    is_open_ = is_limit(element);
+    return sum_;
+  }
+  // Whether the last element was at a limit.
+  bool is_open() const { return is_open_; }
+
+ private:
+  bool is_limit(std::int32_t element) const { return (element == upper_) | (element == lower_); }
+  bool any_at_limit(const std::int32_t* block) const {
+    bool any = false;
+    for (std::size_t i = 0; i < kBlock; ++i) any |= is_limit(block[i]);
+    return any;
+  }
+
+  std::int32_t lower_, upper_;
+  std::int64_t sum_ = 0;  // of the elements since the last value
+  bool is_open_ = false;
+};
+
 class ArrayDecoder {
  public:
   // No encoding may announce an array of more than `most` elements.
@@ -214,8 +266,8 @@ class ArrayDecoder {
       const std::int32_t value = pairs[i], count = pairs[i + 1];
       if (count < 0 || static_cast<std::size_t>(count) > wanted - filled)
         fail(fmt::format("the counts of RunLength are not those of {} values", wanted));
-      for (const std::size_t end = filled + static_cast<std::size_t>(count); filled < end;)
-        values[filled++] = value;
+      std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(filled), count, value);
+      filled += static_cast<std::size_t>(count);
     }
     if (filled != wanted) fail(fmt::format("RunLength gives {} values of {}", filled, wanted));
     return values;
@@ -227,26 +279,28 @@ class ArrayDecoder {
     return array;
   }
 
-  // A value is the sum of the elements up to the first that is not at a limit of its type.
   Integers integer_packing(const PackedValue& encoding, const Integers& packed) const {
     const std::size_t wanted = size(encoding);
     const bool is_byte = integer(encoding, "byteCount", 1, 2) == 1;
     const bool is_unsigned = integer(encoding, "isUnsigned", 0, 1) == 1;
     const std::int32_t upper = is_unsigned ? (is_byte ? 0xFF : 0xFFFF) : (is_byte ? 0x7F : 0x7FFF);
     const std::int32_t lower = is_unsigned ? -1 : -upper - 1;  // -1: not the limit of any value
+    Unpacking unpacking(lower, upper);
     Integers values(wanted);
-    std::size_t filled = 0;
-    std::int64_t sum = 0;
-    bool open = false;  // the last element was at a limit
-    for (const std::int32_t element : packed) {
-      const bool was_open = std::exchange(open, element == upper || element == lower);
-      if (open || was_open) sum = narrow(sum + element);
-      if (open) continue;
-      if (filled == wanted) break;
-      values[filled++] = was_open ? static_cast<std::int32_t>(sum) : element;
-      sum = 0;
+    std::size_t filled = 0, i = 0;
+    for (; std::min(packed.size() - i, wanted - filled) >= Unpacking::kBlock;
+         i += Unpacking::kBlock) {
+      const std::int32_t* const end = unpacking.take_block(&packed[i], &values[filled]);
+      if (!end) break;  // the next loop finds the element
+      filled = static_cast<std::size_t>(end - values.data());
     }
-    if (open || filled != wanted)
+    for (; i < packed.size(); ++i) {
+      const std::int32_t value = narrow(unpacking.take(packed[i]));
+      if (unpacking.is_open()) continue;
+      if (filled == wanted) return values;
+      values[filled++] = value;
+    }
+    if (unpacking.is_open() || filled != wanted)
       fail(fmt::format("IntegerPacking gives not the {} values that it should", wanted));
     return values;
   }

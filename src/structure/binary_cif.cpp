@@ -178,32 +178,51 @@ class Reader {
         column = decode(category, static_cast<std::size_t>(index));
       columns_[i] = &column;
       texts_[i] = std::get_if<TextArray>(&column.values);
+      if (texts_[i]) leave_masked(column);
+      const Reals* const reals = std::get_if<Reals>(&column.values);
+      reals_[i] = reals && column.mask.empty() ? reals->data() : nullptr;
     }
+  }
+
+  // Lets the rows whose value is not given have no text, so that nobody asks the mask again.
+  static void leave_masked(BinaryColumn& column) {
+    Integers& indices = std::get<TextArray>(column.values).indices;
+    for (std::size_t row = 0; row < column.mask.size(); ++row)
+      if (column.mask[row] != 0) indices[row] = -1;
+    column.mask.clear();
   }
 
   const BinaryColumn* column(Column column) const {
     return columns_[static_cast<std::size_t>(column)];
   }
-  // The text of an integer, as models and entities have them, is made only where the row before has
-  // another integer.
   std::string_view text(Column of, std::size_t row) {
-    const BinaryColumn* const found = column(of);
-    if (!found) return {};
-    if (const TextArray* const texts = texts_[static_cast<std::size_t>(of)]) {
-      const std::int32_t index = found->is_given(row) ? texts->indices[row] : -1;
-      return index < 0 ? std::string_view() : texts->texts[static_cast<std::size_t>(index)];
-    }
-    std::string& scratch = scratch_[static_cast<std::size_t>(of)];
-    const std::optional<std::int32_t> number = integer(of, row);
-    if (!number) return found->text(row, scratch);
+    const TextArray* const texts = texts_[static_cast<std::size_t>(of)];
+    if (!texts) return column(of) ? text_of_number(of, row) : std::string_view();
+    const std::int32_t index = texts->indices[row];
+    return index < 0 ? std::string_view() : texts->texts[static_cast<std::size_t>(index)];
+  }
+  // The text of a number. That of an integer, as models and entities have them, is made only where
+  // the row before has another integer.
+  std::string_view text_of_number(Column of, std::size_t row) {
     LastText& last = last_[static_cast<std::size_t>(of)];
-    if (last.number != number) last = {number, found->text(row, scratch)};
+    const std::optional<std::int32_t> number = integer(of, row);
+    if (!number || last.number != number) {
+      std::string scratch;
+      last = {number, kept(column(of)->text(row, scratch))};
+    }
     return last.text;
   }
+  // The text in memory that lasts as long as the file.
+  std::string_view kept(std::string_view text) {
+    return text.empty() ? text : file_.texts.emplace_back(text);
+  }
+  double number(Column of, std::size_t row) const {
+    const double* const reals = reals_[static_cast<std::size_t>(of)];
+    return reals ? reals[row] : column(of)->number(row);
+  }
   float number_or(Column of, std::size_t row, float otherwise) const {
-    const BinaryColumn* const found = column(of);
-    const double number = found ? found->number(row) : std::nan("");
-    return std::isnan(number) ? otherwise : static_cast<float>(number);
+    const double found = column(of) ? number(of, row) : std::nan("");
+    return std::isnan(found) ? otherwise : static_cast<float>(found);
   }
 
   AtomSiteRow read(std::size_t index) {
@@ -219,8 +238,8 @@ class Reader {
     row.id = id(index);
     row.altloc = altloc_of(text(Column::label_alt_id, index), index + 1, file_.path);
     row.sequence = sequence(index);
-    row.position = {column(Column::Cartn_x)->number(index), column(Column::Cartn_y)->number(index),
-                    column(Column::Cartn_z)->number(index)};
+    row.position = {number(Column::Cartn_x, index), number(Column::Cartn_y, index),
+                    number(Column::Cartn_z, index)};
     row.occupancy = number_or(Column::occupancy, index, row.occupancy);
     row.b_iso = number_or(Column::B_iso_or_equiv, index, row.b_iso);
     return row;
@@ -254,10 +273,10 @@ class Reader {
   std::vector<BinaryColumn> decoded_;                            // by index in the table
   std::array<const BinaryColumn*, kAtomSiteColumns> columns_{};  // nullptr: not there
   std::array<const TextArray*, kAtomSiteColumns> texts_{};       // of those that hold texts
-  std::array<std::string, kAtomSiteColumns> scratch_;            // texts of numbers
+  std::array<const double*, kAtomSiteColumns> reals_{};  // of those that hold reals, all given
   struct LastText {
     std::optional<std::int32_t> number;
-    std::string_view text;  // in scratch_
+    std::string_view text;
   };
   std::array<LastText, kAtomSiteColumns> last_;
 };

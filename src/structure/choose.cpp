@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "core/large_pages.hpp"
 #include "core/letters.hpp"
 #include "structure/assign_radii.hpp"
+#include "structure/hierarchy.hpp"
 #include "structure/lines.hpp"
 #include "structure/site.hpp"
 #include "structure/site_selection.hpp"
@@ -49,16 +51,17 @@ bool listed(const Names& names, std::string_view name) {
 
 // A residue is a water by a name in kAlwaysWater alone. With a name in kSolvent it is a water if it
 // has at most one oxygen, and beside that only hydrogens and atoms without an element (virtual
-// sites, beads).
-bool is_water(const gemmi::Residue& residue) {
+// sites, beads). `sites` are all of its atoms.
+bool is_water(const gemmi::Residue& residue, std::span<const Site> sites) {
   const std::string name = upper_case(residue.name);
   if (listed(kAlwaysWater, name)) return true;
   if (!listed(kSolvent, name)) return false;
-  std::set<std::string> oxygens;  // names, because alternate locations repeat an atom
-  for (const gemmi::Atom& atom : residue.atoms) {
-    if (atom.element == gemmi::El::O)
-      oxygens.insert(atom.name);
-    else if (!atom.is_hydrogen() && atom.element != gemmi::El::X)
+  std::set<std::string_view> oxygens;  // names, because alternate locations repeat an atom
+  for (const Site& site : sites) {
+    const gemmi::El element = site.atom->element;
+    if (element == gemmi::El::O)
+      oxygens.insert(site.atom->name);
+    else if (!gemmi::is_hydrogen(element) && element != gemmi::El::X)
       return false;
   }
   return oxygens.size() <= 1;
@@ -101,7 +104,8 @@ class CopyChainNames {
 // One call of choose_atoms(). sites_ holds the atoms that no step has dropped.
 class Choice {
  public:
-  Choice(const ParsedFile& file, const ReadOptions& options) : file_(file), options_(options) {
+  Choice(ParsedFile& file, const ReadOptions& options)
+      : file_(file), options_(options), places_(numbered_residues(*file.structure)) {
     molecule_.path = file.path;
     molecule_.format = file.format;
     molecule_.assembly = options.assembly;
@@ -149,26 +153,20 @@ class Choice {
   // Fills sites_ with the atoms of the chosen models, in the order of gemmi's hierarchy.
   void choose_models() {
     const std::vector<gemmi::Model>& models = file_.structure->models;
-    sites_.reserve(file_.atoms.size());
-    bool found = false;
+    std::set<const gemmi::Model*> others;
     for (std::size_t i = 0; i < models.size(); ++i) {
-      std::uint64_t count = 0;
-      const bool chosen = is_chosen(i);
-      if (chosen) molecule_.model = options_.model == "all" ? "all" : model_name(i);
-      found = found || chosen;
-      for (const gemmi::Chain& chain : models[i].chains)
-        for (const gemmi::Residue& residue : chain.residues) {
-          count += residue.atoms.size();
-          if (!chosen) continue;
-          for (const gemmi::Atom& atom : residue.atoms)
-            sites_.push_back({&models[i], &chain, &residue, &atom});
-        }
-      molecule_.atoms_read += count;
-      if (!chosen && count != 0) molecule_.skipped["other_models"] += count;
+      if (is_chosen(i))
+        molecule_.model = options_.model == "all" ? "all" : model_name(i);
+      else
+        others.insert(&models[i]);
     }
-    if (!found)
+    if (others.size() == models.size())
       throw InvalidInput(
           fmt::format("{}: has no model {}; it has {}", file_.path, options_.model, model_names()));
+    sites_ = all_sites(file_, places_);
+    molecule_.atoms_read = sites_.size();
+    if (!others.empty())
+      drop("other_models", [&](const Site& site) { return others.contains(site.place->model); });
   }
 
   // The name of the model; its number in the file's order, from 1, if it has no name.
@@ -183,39 +181,48 @@ class Choice {
     return fmt::format("{} models, {} to {}", count, model_name(0), model_name(count - 1));
   }
 
-  void drop_by_kind(const RadiusTable& table) {
-    if (options_.waters == Inclusion::drop) {
-      // The atoms of a residue stand together, so one test for each residue is enough. `water` is
-      // the result for `seen`, the residue of the previous site.
-      const gemmi::Residue* seen = nullptr;
-      bool water = false;
-      drop("waters", [&](const Site& site) {
-        if (site.residue != seen) water = is_water(*(seen = site.residue));
-        return water;
-      });
+  // The atoms of a residue stand together, so one test for each residue is enough.
+  void drop_waters() {
+    auto end = sites_.begin();  // of those that stay
+    for (auto first = sites_.begin(); first != sites_.end();) {
+      const auto last = std::find_if(
+          first, sites_.end(), [first](const Site& site) { return site.place != first->place; });
+      if (is_water(*first->place->residue, {first, last})) {
+        molecule_.skipped["waters"] += static_cast<std::uint64_t>(last - first);
+        first = last;
+      } else if (end == first) {
+        end = first = last;
+      } else {
+        while (first != last) *end++ = *first++;
+      }
     }
+    sites_.erase(end, sites_.end());
+  }
+
+  void drop_by_kind(const RadiusTable& table) {
+    if (options_.waters == Inclusion::drop) drop_waters();
     drop_hydrogens(table);
     if (options_.hetero_atoms == Inclusion::drop)
-      drop("hetatm", [this](const Site& site) { return record(site).hetero; });
+      drop("hetatm", [](const Site& site) { return site.atom->hetero; });
   }
 
   void select() {
     if (options_.select.empty()) return;
-    const SiteSelection selection(options_.select, *file_.structure);
+    const SiteSelection selection(options_.select, file_);
     drop("not_selected", [&](const Site& site) { return !selection.contains(site); });
   }
 
   // Marks the sites that are to be measured. All are if nothing else was asked for.
   void mark_measured() {
     if (options_.measure.empty()) return;
-    const SiteSelection selection(options_.measure, *file_.structure);
+    const SiteSelection selection(options_.measure, file_);
     for (Site& site : sites_) site.measured = selection.contains(site);
   }
 
   // A group without atoms is more likely a slip than meant.
   void mark_groups() {
     for (std::size_t g = 0; g < options_.groups.size(); ++g) {
-      const SiteSelection selection(options_.groups[g], *file_.structure);
+      const SiteSelection selection(options_.groups[g], file_);
       bool is_empty = true;
       for (Site& site : sites_) {
         if (!selection.contains(site)) continue;
@@ -259,7 +266,7 @@ class Choice {
   void drop_hydrogens(const RadiusTable& table) {
     const bool united = table.has_united_atoms() && !file_.own_radii;
     if (options_.hydrogens == Inclusion::keep && !united) return;
-    drop("hydrogens", [](const Site& site) { return site.atom->is_hydrogen(); });
+    drop("hydrogens", [](const Site& site) { return gemmi::is_hydrogen(site.atom->element); });
     const auto dropped = molecule_.skipped.find("hydrogens");
     if (options_.hydrogens == Inclusion::drop || dropped == molecule_.skipped.end()) return;
     molecule_.notes.push_back(
@@ -271,7 +278,7 @@ class Choice {
   void take_radii(const RadiusTable& table) {
     molecule_.radius_set = file_.own_radii ? "file" : options_.radii;
     if (file_.own_radii)
-      for (Site& site : sites_) site.radius = record(site).radius;
+      for (Site& site : sites_) site.radius = site.atom->radius;
     else
       assign_radii(sites_, file_, table, molecule_);
   }
@@ -281,11 +288,12 @@ class Choice {
   void count_guesses() {
     std::map<std::tuple<std::string, std::string, std::string>, std::uint64_t> unusual;
     for (const Site& site : sites_) {
-      const gemmi::Element element = site.atom->element;
-      if (!record(site).element_guessed || element == gemmi::El::X) continue;
+      const gemmi::El element = site.atom->element;
+      if (!site.atom->element_guessed || element == gemmi::El::X) continue;
       ++molecule_.elements_guessed;
-      if (!listed(kOrganicElements, std::string_view(element.name())))
-        ++unusual[{element.name(), site.residue->name, site.atom->name}];
+      const char* const symbol = gemmi::element_name(element);
+      if (!listed(kOrganicElements, std::string_view(symbol)))
+        ++unusual[{symbol, site.place->residue->name, std::string(site.atom->name)}];
     }
     for (const auto& [key, count] : unusual)
       molecule_.unusual_elements_guessed.push_back(
@@ -310,44 +318,26 @@ class Choice {
         molecule_.elements_guessed, unusual.empty() ? " none" : named);
   }
 
-  const AtomRecord& record(const Site& site) const {
-    return file_.atoms[static_cast<std::size_t>(site.atom->serial)];
-  }
-
   // Appends the atom of the site to the molecule, and returns it for changes.
   Atom& take(const Site& site) {
-    const AtomRecord& from = record(site);
-    if (site.model != model_) {
-      model_ = site.model;
-      model_number_ = model_number(*model_);
+    const AtomRecord& from = *site.atom;
+    const gemmi::Residue& residue = *site.place->residue;
+    if (site.place != place_) {
+      residue_number_ = residue.seqid.num ? residue.seqid.str() : std::string();
+      if (!place_ || site.place->model != place_->model)
+        model_number_ = model_number(*site.place->model);
+      place_ = site.place;
     }
-    if (site.residue != numbered_) {
-      numbered_ = site.residue;
-      residue_number_ = numbered_->seqid.num ? numbered_->seqid.str() : std::string();
-    }
-    Atom& taken = molecule_.atoms.emplace_back();
-    taken.position = {site.atom->pos.x, site.atom->pos.y, site.atom->pos.z};
-    taken.radius = site.radius;
-    taken.element = site.atom->element.name();
-    taken.name = site.atom->name;
-    taken.residue_name = site.residue->name;
-    taken.chain = site.chain->name;
-    taken.residue_number = residue_number_;
-    taken.serial = from.serial;
-    taken.model = model_number_;
-    taken.hetero = from.hetero;
-    taken.measured = site.measured;
-    taken.group = site.group;
-    taken.polarity = site.polarity;
-    return taken;
+    return molecule_.atoms.emplace_back(
+        from.position, site.radius, gemmi::element_name(from.element), std::string(from.name),
+        residue.name, site.place->chain->name, residue_number_, from.serial, model_number_,
+        from.hetero, site.measured, site.group, site.polarity);
   }
 
   void take_asymmetric() {
-    // gemmi brings the atoms of a residue together, while the file may interleave residues. Sorting
-    // by gemmi::Atom::serial, which is the index in the file, restores the order of the file.
-    const auto in_order = [](const Site& a, const Site& b) {
-      return a.atom->serial < b.atom->serial;
-    };
+    // The atoms of a residue stand together, while the file may interleave residues. The records
+    // are in the order of the file.
+    const auto in_order = [](const Site& a, const Site& b) { return a.atom < b.atom; };
     if (!std::is_sorted(sites_.begin(), sites_.end(), in_order))
       std::stable_sort(sites_.begin(), sites_.end(), in_order);
     make_room(sites_.size());
@@ -370,14 +360,14 @@ class Choice {
                               recipe.warnings.end());
     std::vector<bool> used(file_.atoms.size());  // by index of the atom in the file
     const double atoms = count_copies(recipe, used);
-    drop("not_in_assembly",
-         [&](const Site& site) { return !used[static_cast<std::size_t>(site.atom->serial)]; });
+    drop("not_in_assembly", [&](const Site& site) { return !used[index_of(site)]; });
     refuse_if_empty();
     refuse_if_too_many(atoms);
     make_room(static_cast<std::size_t>(atoms));
     for (auto first = sites_.cbegin(); first != sites_.cend();) {
-      const auto last = std::find_if(
-          first, sites_.cend(), [first](const Site& site) { return site.model != first->model; });
+      const auto last = std::find_if(first, sites_.cend(), [first](const Site& site) {
+        return site.place->model != first->place->model;
+      });
       CopyChainNames names;  // each model begins with A1 again
       for (const ChainCopies& part : recipe.parts) take_copies(part, first, last, names);
       first = last;
@@ -402,7 +392,8 @@ class Choice {
   // id or, from mmCIF, by label_asym_id, which gemmi keeps in Residue::subchain.
   bool holds(const ChainCopies& part, const Site& site) const {
     const bool by_author = file_.assemblies.chain_names == AssemblyTables::ChainNames::author;
-    return part.chains.count(by_author ? site.chain->name : site.residue->subchain) != 0;
+    return part.chains.count(by_author ? site.place->chain->name : site.place->residue->subchain) !=
+           0;
   }
 
   // Returns how many atoms the assembly has, and marks in `used` the atoms of the file that are in
@@ -414,7 +405,7 @@ class Choice {
       double held = 0;
       for (const Site& site : sites_) {
         if (!holds(part, site)) continue;
-        used[static_cast<std::size_t>(site.atom->serial)] = true;
+        used[index_of(site)] = true;
         ++held;
       }
       total += held * static_cast<double>(combination_count(part.products));
@@ -448,7 +439,8 @@ class Choice {
         std::string name;
         // The name is looked up once for each run of atoms of one chain; `chain` is the last one.
         for (const Site* site : held) {
-          if (site->chain != chain) name = names.of(*(chain = site->chain), combination);
+          if (site->place->chain != chain)
+            name = names.of(*(chain = site->place->chain), combination);
           Atom& copy = take(*site);
           copy.position = map(copy.position);
           copy.chain = name;
@@ -469,20 +461,23 @@ class Choice {
                     p.z, kFarthest));
   }
 
-  const ParsedFile& file_;
+  std::size_t index_of(const Site& site) const {
+    return static_cast<std::size_t>(site.atom - file_.atoms.data());
+  }
+
+  ParsedFile& file_;
   const ReadOptions& options_;
+  const std::vector<ResiduePlace> places_;  // of the residues of all models
   Sites sites_;
   Molecule molecule_;
-  const gemmi::Model* model_ = nullptr;       // of the atom appended last
-  std::int32_t model_number_ = 0;             // its number, read once for each model
-  const gemmi::Residue* numbered_ = nullptr;  // the residue of the atom appended last
-  std::string residue_number_;                // its number as text, formatted once for each residue
+  const ResiduePlace* place_ = nullptr;  // of the atom appended last
+  std::int32_t model_number_ = 0;        // of its model, read once for each model
+  std::string residue_number_;           // as text, formatted once for each residue
 };
 
 }  // namespace
 
-Molecule choose_atoms(const ParsedFile& file, const ReadOptions& options,
-                      const RadiusTable& table) {
+Molecule choose_atoms(ParsedFile&& file, const ReadOptions& options, const RadiusTable& table) {
   return Choice(file, options).run(table);
 }
 

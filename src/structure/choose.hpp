@@ -15,6 +15,6 @@ namespace vdwmesh {
 // if no atom is left, none is to be measured or a group has none, or if an atom has no known
 // radius. Throws FileFormatError for an assembly that cannot be made, and LimitExceeded for one
 // with too many atoms.
-Molecule choose_atoms(const ParsedFile& file, const ReadOptions& options, const RadiusTable& table);
+Molecule choose_atoms(ParsedFile&& file, const ReadOptions& options, const RadiusTable& table);
 
 }  // namespace vdwmesh

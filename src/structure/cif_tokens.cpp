@@ -1,5 +1,5 @@
 // A hand-written scanner: the first character of a token decides what it is, and the loops that
-// look for its end visit each character once.
+// look for its end visit each character once. next(), in the header, reads words.
 #include "structure/cif_tokens.hpp"
 
 #include <fmt/format.h>
@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
@@ -15,7 +17,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
+bool is_blank(char c) { return cif_byte(c) == CifByte::blank; }
 
 bool begins_with(std::string_view word, std::string_view start) {  // `start` in lower case
   return word.size() >= start.size() &&
@@ -23,28 +25,38 @@ bool begins_with(std::string_view word, std::string_view start) {  // `start` in
                     [](char a, char b) { return a == lower_case(b); });
 }
 
-// What an unquoted token is. Only the first letters of keywords need a closer look.
-CifKind kind_of(std::string_view word) {
-  switch (word.front()) {
-    case '_':
-      return CifKind::tag;
-    case 'd':
-    case 'D':
-      return begins_with(word, "data_") ? CifKind::data : CifKind::value;
-    case 'l':
-    case 'L':
-      return word.size() == 5 && begins_with(word, "loop_") ? CifKind::loop : CifKind::value;
-    case 's':
-    case 'S':
-      return begins_with(word, "save_") ? CifKind::save : CifKind::value;
-    default:
-      return CifKind::value;
-  }
-}
-
 bool is_reserved(std::string_view word) {
   return (word.size() == 5 && begins_with(word, "stop_")) ||
          (word.size() == 7 && begins_with(word, "global_"));
+}
+
+// The value of a decimal number of at most 15 digits, such as "-12.345", or nothing for any other
+// text. Its digits are an integer below 2^53 and the power of ten is below 10^22, so doubles hold
+// both exactly, and their quotient is rounded once, as from_chars() rounds the number (Clinger,
+// "How to read floating point numbers accurately", 1990).
+std::optional<double> short_decimal(std::string_view value) {
+  constexpr std::size_t kMostDigits = 15;
+  static constexpr std::array<double, kMostDigits + 1> kPowers{
+      1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const bool is_negative = value.starts_with('-');
+  if (is_negative) value.remove_prefix(1);
+  if (value.size() > kMostDigits + 1) return std::nullopt;
+  std::int64_t number = 0;
+  std::size_t digits = 0, point = value.size();
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (is_digit(value[i])) {
+      number = 10 * number + (value[i] - '0');
+      ++digits;
+    } else if (value[i] == '.' && point == value.size()) {
+      point = i;
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (digits == 0 || digits > kMostDigits) return std::nullopt;
+  const std::size_t decimals = point == value.size() ? 0 : value.size() - point - 1;
+  const double magnitude = static_cast<double>(number) / kPowers[decimals];
+  return is_negative ? -magnitude : magnitude;
 }
 
 }  // namespace
@@ -81,16 +93,26 @@ CifToken CifTokens::quoted() {
   fail("a quote without end");
 }
 
+// What an unquoted token is. Only the first letters of keywords need a closer look.
+CifKind CifTokens::kind_of(std::string_view word) const {
+  const char first = lower_case(word.front());
+  if (first == '_') return CifKind::tag;
+  if (first == 'd' && begins_with(word, "data_")) return CifKind::data;
+  if (first == 'l' && word.size() == 5 && begins_with(word, "loop_")) return CifKind::loop;
+  if (first == 's' && begins_with(word, "save_")) return CifKind::save;
+  if ((first == 's' || first == 'g') && is_reserved(word))
+    fail(fmt::format("the reserved word {}", word));
+  return CifKind::value;
+}
+
 CifToken CifTokens::word() {
   std::size_t end = start_;
   while (end < text_.size() && !is_blank(text_[end])) ++end;
   const std::string_view text = take(end - start_);
-  const CifKind kind = kind_of(text);
-  if (kind == CifKind::value && is_reserved(text)) fail(fmt::format("the reserved word {}", text));
-  return {kind, text};
+  return {kind_of(text), text};
 }
 
-CifToken CifTokens::next() {
+CifToken CifTokens::next_special() {
   skip_blanks();
   start_ = at_;
   if (at_ == text_.size()) return {};
@@ -120,6 +142,7 @@ std::string_view cif_text(std::string_view value) {
 double cif_number(std::string_view value) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (value.starts_with('+') && !value.starts_with("+-")) value.remove_prefix(1);
+  if (const std::optional<double> number = short_decimal(value)) return *number;
   // from_chars reads "inf" and "nan", too, which CIF does not know.
   const std::size_t first = value.starts_with('-') ? 1 : 0;
   if (first == value.size() || (!is_digit(value[first]) && value[first] != '.')) return kNone;

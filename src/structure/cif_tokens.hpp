@@ -8,11 +8,28 @@
 // such semicolon.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 namespace vdwmesh {
+
+// What a character begins: most of them a word that is a value; some a word that may be a tag or
+// reserved; and a few a quote, a text field or a comment.
+enum class CifByte : std::uint8_t { value, word, blank, special };
+inline constexpr std::array<CifByte, 256> kCifBytes = [] {
+  std::array<CifByte, 256> kinds{};
+  for (const char c : {' ', '\n', '\t', '\r'})
+    kinds[static_cast<unsigned char>(c)] = CifByte::blank;
+  for (const char c : std::string_view("_dDgGlLsS"))
+    kinds[static_cast<unsigned char>(c)] = CifByte::word;
+  for (const char c : std::string_view("'\";#"))
+    kinds[static_cast<unsigned char>(c)] = CifByte::special;
+  return kinds;
+}();
+inline CifByte cif_byte(char c) { return kCifBytes[static_cast<unsigned char>(c)]; }
 
 enum class CifKind { end, data, save, loop, tag, value };
 
@@ -35,6 +52,8 @@ class CifTokens {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
+  CifToken next_special();
+  CifKind kind_of(std::string_view word) const;
   void skip_blanks();
   std::string_view take(std::size_t length);
   CifToken text_field();
@@ -46,6 +65,22 @@ class CifTokens {
   std::size_t at_ = 0;     // behind the last token
   std::size_t start_ = 0;  // of the last token
 };
+
+// This loop visits every character of a table of numbers and names, so it is inline.
+inline CifToken CifTokens::next() {
+  const char* const text = text_.data();
+  const char* const end = text + text_.size();
+  const char* first = text + at_;
+  while (first != end && cif_byte(*first) == CifByte::blank) ++first;
+  at_ = static_cast<std::size_t>(first - text);
+  if (first == end || cif_byte(*first) == CifByte::special) return next_special();
+  const char* last = first + 1;
+  while (last != end && cif_byte(*last) != CifByte::blank) ++last;
+  start_ = at_;
+  at_ = static_cast<std::size_t>(last - text);
+  const std::string_view word(first, static_cast<std::size_t>(last - first));
+  return {cif_byte(*first) == CifByte::value ? CifKind::value : kind_of(word), word};
+}
 
 // The value without its quotes or the semicolons of a text field. Empty for the values "?"
 // (unknown) and "." (does not apply), unless they are quoted.

@@ -232,13 +232,15 @@ class Reader {
     std::vector<std::string_view> values(width);
     const Row row(layout, values);
     std::size_t count = 0, column = 0;
-    for (; token_.kind == CifKind::value; advance(), ++count) {
-      values[column] = token_.text;
+    CifToken token = token_;  // in registers
+    for (; token.kind == CifKind::value; token = tokens_.next(), ++count) {
+      values[column] = token.text;
       if (++column < width) continue;
       column = 0;
       if (file_.atoms.size() % kLinesPerCheck == 0) vdwmesh::advance(monitor_, 0);
       builder_.add(row.read(file_.atoms.size() + 1, file_.path));
     }
+    token_ = token;
     return count;
   }
 
@@ -295,7 +297,7 @@ ParsedFile parse_mmcif(std::string_view text, const std::string& path, Monitor* 
   return parse_with_gemmi(path, [text, monitor](ParsedFile& file) {
     // Files of old Macintoshes have CR alone for line ends, which become LF here.
     const bool lone_cr = text.find('\n') == text.npos && text.find('\r') != text.npos;
-    std::string lines(lone_cr ? text : std::string_view());
+    std::string& lines = file.texts.emplace_back(lone_cr ? text : std::string_view());
     std::replace(lines.begin(), lines.end(), '\r', '\n');
     const std::string_view read = lone_cr ? lines : text;
     file.format = "mmcif";

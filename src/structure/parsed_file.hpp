@@ -3,30 +3,38 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/vec3.hpp"
 #include "structure/assembly.hpp"
 #include "structure/text_source.hpp"
 
 namespace gemmi {
+enum class El : unsigned char;
 struct Structure;
-}
+}  // namespace gemmi
 
 namespace vdwmesh {
 
-// What the file says of an atom and gemmi::Atom has no field for. The parsers set
-// gemmi::Atom::serial to the index of the atom in the file, from 0. It is therefore also the index
-// of the atom's AtomRecord in ParsedFile::atoms, and sorting atoms by it restores the order of the
-// file.
+// An atom of the file. Its residue, chain and model are gemmi's; hierarchy.hpp finds them by the
+// residue's number. gemmi's own atoms are three times as large.
 struct AtomRecord {
-  std::int64_t serial = 0;       // the serial number that the file gives
-  std::uint32_t line = 0;        // line of the file (CIF and mmCIF: row of the atom table), from 1
+  Vec3d position;             // Å
+  double radius = 0;          // Å; 0 if the format has no radii
+  std::string_view name;      // "CA"; lasts as long as the ParsedFile
+  std::int64_t serial = 0;    // the serial number that the file gives
+  std::uint32_t line = 0;     // line of the file (CIF and mmCIF: row of the atom table), from 1
+  std::uint32_t residue = 0;  // its number in the hierarchy, from 0
+  float occupancy = 1;
+  float b_iso = 0;  // Å²; temperature factor, for selections
+  gemmi::El element{};
+  char altloc = '\0';            // label of the alternate location; '\0': none
   bool hetero = false;           // the record is HETATM
   bool element_guessed = false;  // the file gives no element; it was derived from the names
-  double radius = 0;             // Å; 0 if the format has no radii
 };
 
 // Largest absolute value of a coordinate, and largest radius, that is accepted, in Å. Doubles near
@@ -34,9 +42,11 @@ struct AtomRecord {
 inline constexpr double kFarthest = 1e6;
 
 struct ParsedFile {
-  std::shared_ptr<gemmi::Structure> structure;  // models, chains, residues and atoms
+  std::shared_ptr<gemmi::Structure> structure;  // models, chains and residues
   AssemblyTables assemblies;
-  std::vector<AtomRecord> atoms;  // index: gemmi::Atom::serial
+  std::vector<AtomRecord> atoms;  // in the order of the file
+  Text text;                      // the bytes of the file, in which names are
+  std::deque<std::string> texts;  // names that are not in `text` as they are
   std::string path;               // for messages
   std::string format;             // "pdb", "mmcif", "bcif", "cif" (small molecule), "pqr" or "xyzr"
   bool own_radii = false;         // the file gives the radii (PQR, XYZR)
@@ -44,9 +54,10 @@ struct ParsedFile {
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 
-// One parser per format. `text` is the whole file, checked by checked_text(); `path` serves the
-// messages. Each throws FileFormatError; the message is one line that names the file and, if there
-// is one, the line or row. A monitor is asked once in kLinesPerCheck lines or rows whether to stop.
+// One parser per format. `text` is the whole file, checked by checked_text(), which must last as
+// long as the result; `path` serves the messages. Each throws FileFormatError; the message is one
+// line that names the file and, if there is one, the line or row. A monitor is asked once in
+// kLinesPerCheck lines or rows whether to stop.
 inline constexpr std::uint32_t kLinesPerCheck = 1u << 13;
 ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
 ParsedFile parse_mmcif(std::string_view text, const std::string& path, Monitor* monitor = nullptr);

@@ -6,7 +6,8 @@
 // 1. layout_of() scans the file once and finds out how it uses the disputed columns.
 // 2. Normaliser rewrites each record that gemmi needs, and checks it with messages that name the
 //    line. It renumbers atoms from 0, so that gemmi::Atom::serial is the index of an AtomRecord.
-// 3. gemmi parses the rewritten text, and the models get the names that the file gives them.
+// 3. gemmi parses the rewritten text, the models get the names that the file gives them, and the
+//    AtomRecords what gemmi has read.
 // REMARK 350 (assemblies) does not go to gemmi but to BiomoleculeReader.
 #include <fmt/format.h>
 
@@ -22,6 +23,7 @@
 #include "core/letters.hpp"
 #include "structure/biomolecules.hpp"
 #include "structure/elements.hpp"
+#include "structure/hierarchy.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
 #include "structure/pdb_records.hpp"
@@ -254,6 +256,7 @@ ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* mo
   for (std::size_t i = 0; i < file.structure->models.size(); ++i)
     file.structure->models[i].name = normaliser.model_names().at(i);
   file.atoms = normaliser.take_atoms();
+  take_gemmi_atoms(file);
   file.assemblies = normaliser.take_assemblies();
   file.path = path;
   file.format = "pdb";

@@ -10,8 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <gemmi/model.hpp>
 #include <string_view>
+#include <utility>
 
 #include "core/errors.hpp"
 #include "structure/choose.hpp"
@@ -66,23 +66,17 @@ void warn_of_unfinished_line(std::string_view text, ParsedFile& file) {
       "last atom with it");
 }
 
-// Throws if the atom's position or radius is beyond kFarthest. `record` has a radius only if the
-// file gives radii; it is 0 otherwise.
-void check_range(const ParsedFile& file, const gemmi::Atom& atom) {
-  const AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
-  const double far = std::max({std::abs(atom.pos.x), std::abs(atom.pos.y), std::abs(atom.pos.z)});
-  if (far <= kFarthest && record.radius <= kFarthest) return;
-  throw FileFormatError(fmt::format(
-      "{}:{} {}: {} of {:g} Å; coordinates and radii of up to {:g} Å can be meshed", file.path,
-      file.format.ends_with("cif") ? "row" : "line", record.line,
-      far <= kFarthest ? "a radius" : "a coordinate", std::max(far, record.radius), kFarthest));
-}
-
+// Throws for the first atom whose position or radius is beyond kFarthest.
 void check_ranges(const ParsedFile& file) {
-  for (const gemmi::Model& model : file.structure->models)
-    for (const gemmi::Chain& chain : model.chains)
-      for (const gemmi::Residue& residue : chain.residues)
-        for (const gemmi::Atom& atom : residue.atoms) check_range(file, atom);
+  for (const AtomRecord& atom : file.atoms) {
+    const Vec3d& p = atom.position;
+    const double far = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    if (far <= kFarthest && atom.radius <= kFarthest) continue;
+    throw FileFormatError(fmt::format(
+        "{}:{} {}: {} of {:g} Å; coordinates and radii of up to {:g} Å can be meshed", file.path,
+        file.format.ends_with("cif") ? "row" : "line", atom.line,
+        far <= kFarthest ? "a radius" : "a coordinate", std::max(far, atom.radius), kFarthest));
+  }
 }
 
 // `text_within(limit)` returns the text, which has at most `limit` bytes.
@@ -90,7 +84,7 @@ template <class TextWithin>
 ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
                       const ReadOptions& options, const TextWithin& text_within) {
   const std::uint64_t limit = std::min(kMaxTextBytes, options.memory_limit / kReadingFactor);
-  const Text bytes = text_within(limit);
+  Text bytes = text_within(limit);
   const std::string name = path == "-" ? "standard input" : path.string();
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   advance(options.monitor, 0);
@@ -98,6 +92,8 @@ ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
   advance(options.monitor, 0);
   check_ranges(file);
   if (format != StructureFormat::bcif) warn_of_unfinished_line(text, file);
+  const bool has_names = format == StructureFormat::mmcif || format == StructureFormat::bcif;
+  if (has_names) file.text = std::move(bytes);  // which moves no byte of it
   return file;
 }
 

@@ -1,5 +1,6 @@
 // An atom together with its residue, chain and model, and the choice among alternate locations.
-// Internal header of this folder; sources that use the members include gemmi's headers themselves.
+// Internal header of this folder; sources that use the members include gemmi's headers, and
+// parsed_file.hpp, themselves.
 #pragma once
 
 #include <string>
@@ -8,7 +9,6 @@
 #include "structure/molecule.hpp"
 
 namespace gemmi {
-struct Atom;
 struct Chain;
 struct Model;
 struct Residue;
@@ -16,15 +16,22 @@ struct Residue;
 
 namespace vdwmesh {
 
-// An atom site: pointers into the gemmi::Structure of a ParsedFile, which must outlive the site.
+struct AtomRecord;
+
+// A residue, and where it stands in the gemmi::Structure of a ParsedFile.
+struct ResiduePlace {
+  gemmi::Model* model;
+  gemmi::Chain* chain;
+  gemmi::Residue* residue;
+};
+
+// An atom site: pointers to what must outlive the site.
 struct Site {
-  const gemmi::Model* model;
-  const gemmi::Chain* chain;
-  const gemmi::Residue* residue;
-  const gemmi::Atom* atom;
+  const ResiduePlace* place;
+  const AtomRecord* atom;
   double radius = 0;  // Å; 0 until radii are assigned
-  bool measured = true;
   std::int32_t group = kNoGroup;
+  bool measured = true;
   Polarity polarity = Polarity::unknown;
 };
 

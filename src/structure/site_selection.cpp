@@ -9,6 +9,7 @@
 #include <gemmi/select.hpp>
 
 #include "core/errors.hpp"
+#include "structure/hierarchy.hpp"
 #include "structure/lines.hpp"
 
 namespace vdwmesh {
@@ -23,7 +24,7 @@ void end_single_residue(gemmi::Selection& selection, const std::string& text) {
 
 }  // namespace
 
-SiteSelection::SiteSelection(const std::string& text, gemmi::Structure& structure) {
+SiteSelection::SiteSelection(const std::string& text, ParsedFile& file) {
   try {
     selection_ = std::make_unique<gemmi::Selection>(text);
   } catch (const std::exception& error) {
@@ -32,14 +33,20 @@ SiteSelection::SiteSelection(const std::string& text, gemmi::Structure& structur
                     in_quotes(text), one_line(error.what())));
   }
   end_single_residue(*selection_, text);
-  if (!selection_->entity_types.all) gemmi::setup_entities(structure);
+  if (selection_->entity_types.all) return;
+  give_gemmi_atoms(file);
+  gemmi::setup_entities(*file.structure);
 }
 
 SiteSelection::~SiteSelection() = default;
 
 bool SiteSelection::contains(const Site& site) const {
-  return selection_->matches(*site.model) && selection_->matches(*site.chain) &&
-         selection_->matches(*site.residue) && selection_->matches(*site.atom);
+  if (!selection_->matches(*site.place->model) || !selection_->matches(*site.place->chain) ||
+      !selection_->matches(*site.place->residue))
+    return false;
+  gemmi::Atom atom;
+  copy_to_gemmi(*site.atom, atom);
+  return selection_->matches(atom);
 }
 
 }  // namespace vdwmesh

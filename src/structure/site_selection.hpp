@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
+#include "structure/parsed_file.hpp"
 #include "structure/site.hpp"
 
 namespace gemmi {
 struct Selection;
-struct Structure;
-}  // namespace gemmi
+}
 
 namespace vdwmesh {
 
@@ -18,8 +18,9 @@ class SiteSelection {
  public:
   // A single number stands for one residue ("A/10"), and "A/10-" for it and all that follow. Throws
   // InvalidInput, with examples, for a text that is no selection. Selections by entity type
-  // ("polymer") make gemmi derive these types in `structure`, which moves no atom.
-  SiteSelection(const std::string& text, gemmi::Structure& structure);
+  // ("polymer") make gemmi derive these types in file.structure, for which it needs residues with
+  // their atoms.
+  SiteSelection(const std::string& text, ParsedFile& file);
   ~SiteSelection();
 
   bool contains(const Site& site) const;

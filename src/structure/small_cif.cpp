@@ -11,6 +11,7 @@
 
 #include "core/errors.hpp"
 #include "structure/elements.hpp"
+#include "structure/hierarchy.hpp"
 #include "structure/mmcif.hpp"
 
 namespace vdwmesh {
@@ -95,6 +96,7 @@ void read_block(cif::Block& block, ParsedFile& file) {
   model.chains.emplace_back("A");
   model.chains[0].residues.push_back(std::move(residue));
   file.structure->models.push_back(std::move(model));
+  take_gemmi_atoms(file);
   file.format = "cif";
 }
 

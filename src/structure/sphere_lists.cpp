@@ -15,6 +15,7 @@
 
 #include "core/errors.hpp"
 #include "structure/elements.hpp"
+#include "structure/hierarchy.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
 #include "structure/pdb_records.hpp"
@@ -68,7 +69,10 @@ class Builder {
 
   std::size_t atom_count() const { return file_.atoms.size(); }
 
-  ParsedFile finish() { return std::move(file_); }
+  ParsedFile finish() {
+    take_gemmi_atoms(file_);
+    return std::move(file_);
+  }
 
  private:
   // The residue that the row belongs to; begins a new one if necessary.

@@ -22,7 +22,8 @@ inline constexpr std::uint64_t kMaxTextBytes = std::uint64_t{2} << 30;
 // recognised by their first two bytes, not by the name of the file.
 // Throws FileFormatError if the file is missing, unreadable, a directory or damaged gzip data, and
 // LimitExceeded if the file, or its text once unpacked, has more than `limit` bytes.
-// The monitor is asked whether to stop after each MiB that is unpacked.
+// The monitor is asked whether to stop before unpacking, and where the text has more than 256 MiB
+// or several members, after each MiB that is unpacked.
 Text read_text(const std::filesystem::path& path, std::uint64_t limit = kMaxTextBytes,
                Monitor* monitor = nullptr);
 

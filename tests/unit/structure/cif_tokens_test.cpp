@@ -3,7 +3,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -90,6 +95,24 @@ TEST(CifTokens, NumbersMayHaveAnUncertainty) {
   for (const char* none : {"", "?", ".", "-", "+", "+-3", "nan", "-inf", "inf", "1e999", "1.5(",
                            "1.5(x)", "1.5)", "abc", "0x1F", "1,5", "'1'"})
     EXPECT_TRUE(std::isnan(cif_number(none))) << none;
+}
+
+// Numbers of few digits are read by a shortcut, others by the standard library. strtod() rounds
+// correctly and shares nothing with either.
+TEST(CifTokens, NumbersAreTheNearestDoubles) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 200'000; ++i) {
+    std::string digits = std::to_string(random());
+    digits.resize(1 + random() % std::min<std::size_t>(digits.size(), 18));
+    const std::string point = random() % 8 != 0 ? "." : "";
+    const std::string number =
+        (random() % 2 != 0 ? "-" : "") + digits.insert(random() % (digits.size() + 1), point);
+    const double expected = std::strtod(number.c_str(), nullptr);
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(cif_number(number)),
+              std::bit_cast<std::uint64_t>(expected))
+        << number;
+  }
+  EXPECT_TRUE(std::signbit(cif_number("-0.000")));
 }
 
 }  // namespace

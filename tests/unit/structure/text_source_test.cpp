@@ -56,6 +56,39 @@ TEST(TextSource, DamagedGzipIsRefused) {
               HasSubstr("something else after"));
 }
 
+// The header may have a checksum of its own (RFC 1952): a flag in its fourth byte, and the two low
+// bytes of the CRC-32 of the header behind it.
+TEST(TextSource, ChecksumOfTheHeaderIsLookedAt) {
+  const std::string packed = gzipped(kXyzr);
+  std::string header = packed.substr(0, 10);
+  header[3] = 2;
+  const auto checksum = crc32(0, reinterpret_cast<const Bytef*>(header.data()), 10);
+  for (const unsigned damage : {0u, 1u}) {
+    std::string content = header;
+    content += static_cast<char>((checksum ^ damage) & 0xff);
+    content += static_cast<char>(checksum >> 8 & 0xff);
+    content += packed.substr(10);
+    if (damage == 0)
+      EXPECT_EQ(read_text_as("a.xyzr.gz", content).atoms.size(), 2U);
+    else
+      EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr.gz", content), HasSubstr("damaged"));
+  }
+}
+
+// The last four bytes tell the size of the last member alone, or lie.
+TEST(TextSource, SizesInTheTrailerMayMislead) {
+  std::string longer(100'000, ' ');
+  longer += kXyzr;
+  for (const std::string& content :
+       {gzipped(longer) + gzipped(kXyzr), gzipped(kXyzr) + gzipped(longer)})
+    EXPECT_EQ(read_text_as("a.xyzr.gz", content).atoms.size(), 4U);
+  for (const std::size_t place : {1, 2, 4}) {
+    std::string packed = gzipped(longer);
+    packed[packed.size() - place] = static_cast<char>(packed[packed.size() - place] ^ 1);
+    EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr.gz", packed), HasSubstr("damaged"));
+  }
+}
+
 TEST(TextSource, SizeIsBounded) {
   const TemporaryDirectory dir;
   const std::string blanks(100'000, ' ');
