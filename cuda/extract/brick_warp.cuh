@@ -181,15 +181,24 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
   }
 }
 
-// Computes vertex(edge) for all vertices of a brick, 32 at a time, and writes them by one warp.
-// `base` is the number of the brick's first vertex in the whole mesh. Adds the number of clamped
-// vertices to `clamped`. All lanes of the warp call it, and all call vertex() together.
+// Which part of a brick is a warp's, if several share the brick: of every `of` times 32 vertices,
+// the 32 with this number.
+struct WarpShare {
+  unsigned number, of;
+};
+
+// Computes vertex(edge) for a share of the vertices of a brick, 32 at a time, and writes them by
+// one warp. `base` is the number of the brick's first vertex in the whole mesh. Adds the number of
+// clamped vertices to `clamped`. All lanes of the warp call it, and all call vertex() together.
 template <class Vertex>
-__device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexStage& stage,
-                          const DeviceMeshView& mesh, unsigned long long* clamped, Vertex vertex) {
+__device__ void store_vertices_of(const ActiveBrick& brick, const WarpShare& share,
+                                  std::uint64_t base, VertexStage& stage,
+                                  const DeviceMeshView& mesh, unsigned long long* clamped,
+                                  Vertex vertex) {
   const std::uint64_t place = base - mesh.first_vertex;
   const unsigned lane = threadIdx.x % kWarp;
-  for (std::uint32_t first = 0; first < brick.vertices; first += kWarp) {
+  for (std::uint32_t first = share.number * kWarp; first < brick.vertices;
+       first += share.of * kWarp) {
     const std::uint32_t left = brick.vertices - first;
     const unsigned count = left < kWarp ? left : kWarp;
     // Lanes without a vertex repeat the last one, because vertex() may synchronise the warp.

@@ -1,7 +1,7 @@
 // Positions, normals and labels of the vertices, with one warp per brick and one vertex per lane at
 // a time. A lane finds the edge of its vertex from the brick's signs (edge_of_vertex()) and
 // computes the vertex with the formulas that the CPU uses; then the warp writes 32 vertices
-// together (store_all()).
+// together (store_vertices_of()).
 //
 // There are three kinds of surface: the union of balls, blended fields and sampled fields (given by
 // their values at the nodes). For the first two, the warp first takes the spheres near the brick,
@@ -21,9 +21,29 @@
 namespace vdwmesh {
 namespace {
 
-// Index in the list of the brick that this warp works on.
-__device__ std::uint64_t own_brick() {
+// How many warps share a brick, as a power of two. A brick of many vertices takes a warp several
+// turns, one after another. Where there are too few bricks to fill the device, more warps take a
+// turn each.
+using Sharers = unsigned;  // its logarithm
+
+Sharers sharers_of(std::uint64_t bricks) {
+  constexpr std::uint64_t enough_warps = 8192;  // twice what an H200 runs at a time
+  Sharers log2 = 0;
+  while (log2 < 2 && bricks << (log2 + 1) <= enough_warps) ++log2;
+  return log2;
+}
+
+LaunchShape shape_of(std::uint64_t bricks) {
+  return over(bricks << sharers_of(bricks), kBrickWarps, kBrickThreads);
+}
+
+// Index in the list of the brick that this warp works on, and which share of it is the warp's.
+__device__ std::uint64_t own_warp() {
   return static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
+}
+__device__ std::uint64_t own_brick(Sharers log2) { return own_warp() >> log2; }
+__device__ WarpShare own_share(Sharers log2) {
+  return {static_cast<unsigned>(own_warp()) & ((1u << log2) - 1), 1u << log2};
 }
 
 // Shared memory of a warp for its brick, about 1.8 KB.
@@ -34,12 +54,14 @@ struct WarpBrick {
 };
 
 // Copies the warp's brick to shared memory. Returns false if the warp has nothing to do: it is
-// beyond the end of the list, or its brick has no vertex.
-__device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
-  if (own_brick() >= list.size) return false;
-  const BrickSums* const before = list.before + own_brick();
-  if (before[0].vertices == before[1].vertices) return false;
-  copy_brick(&list.bricks[own_brick()], &brick, threadIdx.x % kWarp, kWarp);
+// beyond the end of the list, or its brick has no vertex for it.
+__device__ bool load_brick(const BrickList& list, Sharers sharers, ActiveBrick& brick) {
+  const std::uint64_t own = own_brick(sharers);
+  if (own >= list.size) return false;
+  const BrickSums* const before = list.before + own;
+  const std::uint64_t first = before[0].vertices + own_share(sharers).number * kWarp;
+  if (first >= before[1].vertices) return false;
+  copy_brick(&list.bricks[own], &brick, threadIdx.x % kWarp, kWarp);
   __syncwarp();
   return true;
 }
@@ -56,24 +78,25 @@ struct UnionShared {
 // `clamped`. A warp per brick, 2 warps per thread block; about 12 KB of shared memory.
 template <class Fields>
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_union_vertices(const __grid_constant__ Fields fields, BrickList list,
+    emit_union_vertices(const __grid_constant__ Fields fields, BrickList list, Sharers sharers,
                         const KeptUnion* kept, DeviceMeshView mesh, unsigned long long* clamped) {
   __shared__ UnionShared shared[kBrickWarps];
   UnionShared& s = shared[threadIdx.x / kWarp];
   WarpBrick& own = s.own;
-  if (!load_brick(list, own.brick)) return;
+  if (!load_brick(list, sharers, own.brick)) return;
   const FieldOfBlock owner = fields.of(own.brick.key);
   const FieldContext& f = owner.field;
   share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
   const BrickGeometry& g = own.geometry;
-  const NearPlaces<kMostSharedBalls>& kept_near = kept[own_brick()].near;
+  const NearPlaces<kMostSharedBalls>& kept_near = kept[own_brick(sharers)].near;
   const std::uint32_t near = kept_near.count;
   if (near <= kMostSharedBalls) s.items.load(f, g, kept_near.place, near);
   __syncwarp();
   // If there are more balls, the null pointer makes every vertex search the cell list.
   const SharedBalls* const all = near <= kMostSharedBalls ? &s.items : nullptr;
-  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
-            [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
+  store_vertices_of(own.brick, own_share(sharers), list.before[own_brick(sharers)].vertices,
+                    own.stage, mesh, clamped,
+                    [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
 }
 
 // ---- blended fields ----
@@ -231,7 +254,7 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
 // atoms of a brick, and `atoms` and `places` stay valid afterwards.
 template <BlendedKind Kind, class Fields>
 __global__ void __launch_bounds__(kBrickThreads, 16)
-    emit_blended_vertices(const __grid_constant__ Fields fields, BrickList list,
+    emit_blended_vertices(const __grid_constant__ Fields fields, BrickList list, Sharers sharers,
                           const KeptBlended* kept, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t room) {
   __shared__ WarpBrick shared[kBrickWarps];
@@ -242,12 +265,12 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
                                                         kBrickWarps * room) +
                        warp * (room + kWarp);
   WarpBrick& own = shared[warp];
-  if (!load_brick(list, own.brick)) return;
+  if (!load_brick(list, sharers, own.brick)) return;
   const FieldOfBlock owner = fields.of(own.brick.key);
   const FieldContext& f = owner.field;
   const BrickGeometry& g = own.geometry;
   share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
-  const NearPlaces<kKeptAtoms>& near = kept[own_brick()].near;
+  const NearPlaces<kKeptAtoms>& near = kept[own_brick(sharers)].near;
   const std::uint32_t met = near.count;
   const auto load = [&](std::uint32_t count) {
     for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
@@ -264,16 +287,16 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
     gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), places, room,
                    load);
   }
-  const float* const values_of_brick = kept[own_brick()].values;
-  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
-            [&](const CrossedEdge& edge) {
-              return blended_vertex<Kind>(
-                  f, g, values_of_brick, edge, [&](auto&& wanted, auto&& visit) {
-                    visit_wanted(
-                        met, [&](std::uint32_t k) { return wanted(atoms[k]); },
-                        [&](std::uint32_t k) { visit(atoms[k], places[k]); });
-                  });
-            });
+  const float* const values_of_brick = kept[own_brick(sharers)].values;
+  store_vertices_of(own.brick, own_share(sharers), list.before[own_brick(sharers)].vertices,
+                    own.stage, mesh, clamped, [&](const CrossedEdge& edge) {
+                      return blended_vertex<Kind>(
+                          f, g, values_of_brick, edge, [&](auto&& wanted, auto&& visit) {
+                            visit_wanted(
+                                met, [&](std::uint32_t k) { return wanted(atoms[k]); },
+                                [&](std::uint32_t k) { visit(atoms[k], places[k]); });
+                          });
+                    });
 }
 
 // The same for any number of atoms near a brick, more slowly: for every vertex the warp visits the
@@ -281,29 +304,30 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
 // type.
 template <BlendedKind Kind, class Fields>
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_crowded_vertices(const __grid_constant__ Fields fields, BrickList list,
+    emit_crowded_vertices(const __grid_constant__ Fields fields, BrickList list, Sharers sharers,
                           const KeptBlended* kept, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t) {
   __shared__ WarpBrick shared[kBrickWarps];
   WarpBrick& own = shared[threadIdx.x / kWarp];
-  if (!load_brick(list, own.brick)) return;
+  if (!load_brick(list, sharers, own.brick)) return;
   const FieldOfBlock owner = fields.of(own.brick.key);
   const FieldContext& f = owner.field;
   const BrickGeometry& g = own.geometry;
   share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
   const Vec3d lower = g.node(0, 0, 0), upper = g.node(kBrickSide, kBrickSide, kBrickSide);
-  const float* const values_of_brick = kept[own_brick()].values;
-  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
-            [&](const CrossedEdge& edge) {
-              return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&&, auto&& visit) {
-                visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
-                  // Visitor of visit_near_box(): false goes on to the next sphere.
-                  if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
-                  visit(vertex_atom(f, g, place), place);
-                  return false;
-                });
-              });
-            });
+  const float* const values_of_brick = kept[own_brick(sharers)].values;
+  store_vertices_of(own.brick, own_share(sharers), list.before[own_brick(sharers)].vertices,
+                    own.stage, mesh, clamped, [&](const CrossedEdge& edge) {
+                      return blended_vertex<Kind>(
+                          f, g, values_of_brick, edge, [&](auto&&, auto&& visit) {
+                            visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+                              // Visitor of visit_near_box(): false goes on to the next sphere.
+                              if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
+                              visit(vertex_atom(f, g, place), place);
+                              return false;
+                            });
+                          });
+                    });
 }
 
 // The most atoms of a brick that are kept in shared memory. With the list places, 2 warps take 37
@@ -318,36 +342,37 @@ constexpr std::uint32_t kMostAtoms = 512;
 // the number of blocks that must fit on a multiprocessor; normals need more registers.
 template <Normals normals>
 __global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 : 16)
-    emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,
-                          unsigned long long* clamped) {
+    emit_sampled_vertices(SampledFieldView field, BrickList list, Sharers sharers,
+                          DeviceMeshView mesh, unsigned long long* clamped) {
   __shared__ ActiveBrick bricks[kBrickWarps];
   __shared__ VertexStage stages[kBrickWarps];
   const unsigned warp = threadIdx.x / kWarp;
-  if (!load_brick(list, bricks[warp])) return;
+  if (!load_brick(list, sharers, bricks[warp])) return;
   const BrickIndex index = brick_of_key(bricks[warp].key);
-  store_all(bricks[warp], list.before[own_brick()].vertices, stages[warp], mesh, clamped,
-            [&](const CrossedEdge& edge) {
-              const LatticeNode inside = lattice_node(index, edge.inside);
-              Vec3d node{};
-              for (int axis = 0; axis < 3; ++axis) {
-                node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
-              }
-              EdgeVertex v = sampled_vertex(field, index, edge, node);
-              if constexpr (normals == Normals::gradients) {
-                v.normal = sampled_normal(field, index, edge, v);
-              }
-              return v;
-            });
+  store_vertices_of(bricks[warp], own_share(sharers), list.before[own_brick(sharers)].vertices,
+                    stages[warp], mesh, clamped, [&](const CrossedEdge& edge) {
+                      const LatticeNode inside = lattice_node(index, edge.inside);
+                      Vec3d node{};
+                      for (int axis = 0; axis < 3; ++axis) {
+                        node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
+                      }
+                      EdgeVertex v = sampled_vertex(field, index, edge, node);
+                      if constexpr (normals == Normals::gradients) {
+                        v.normal = sampled_normal(field, index, edge, v);
+                      }
+                      return v;
+                    });
 }
 
 template <class Fields>
 void emit_vertices(const Fields& fields, const BrickList& bricks, std::uint32_t most_atoms,
                    const void* kept, const DeviceMeshView& mesh, unsigned long long* clamped,
                    const Stream& stream) {
-  LaunchShape shape = over(bricks.size, kBrickWarps, kBrickThreads);
+  LaunchShape shape = shape_of(bricks.size);
+  const Sharers sharers = sharers_of(bricks.size);
   if (fields.kind() == FieldKind::vdw) {
     launch("emit_union_vertices", emit_union_vertices<Fields>, shape, stream, fields, bricks,
-           static_cast<const KeptUnion*>(kept), mesh, clamped);
+           sharers, static_cast<const KeptUnion*>(kept), mesh, clamped);
     return;
   }
   const std::uint32_t room = std::min(most_atoms, kMostAtoms);
@@ -358,7 +383,7 @@ void emit_vertices(const Fields& fields, const BrickList& bricks, std::uint32_t 
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                     static_cast<int>(shape.shared)),
                "shared memory");
-    launch("emit_blended_vertices", kernel, shape, stream, fields, bricks,
+    launch("emit_blended_vertices", kernel, shape, stream, fields, bricks, sharers,
            static_cast<const KeptBlended*>(kept), mesh, clamped, room);
   });
 }
@@ -382,8 +407,8 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickL
                                      const Stream& stream) {
   const auto kernel = mesh.normals ? emit_sampled_vertices<Normals::gradients>
                                    : emit_sampled_vertices<Normals::none>;
-  launch("emit_sampled_vertices", kernel, over(bricks.size, kBrickWarps, kBrickThreads), stream,
-         field, bricks, mesh, clamped);
+  launch("emit_sampled_vertices", kernel, shape_of(bricks.size), stream, field, bricks,
+         sharers_of(bricks.size), mesh, clamped);
 }
 
 }  // namespace vdwmesh
