@@ -3,8 +3,10 @@
 // reference; its own contract says what is right.
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "contract/extractor_contract.hpp"
@@ -187,6 +189,36 @@ TEST_P(BatchExtractorContract, ResultsAreRefilledAndSizesTold) {
   EXPECT_EQ(told[0].vertices, result.size(0).vertices);
   EXPECT_EQ(told[0].triangles, result.size(0).triangles);
   expect_as_alone(result, one, options);
+}
+
+class CountingMonitor final : public Monitor {
+ public:
+  explicit CountingMonitor(bool stop) : stop_(stop) {}
+  void begin_stage(std::string_view, std::uint64_t steps) override { wanted += steps; }
+  void advance(std::uint64_t steps) override { done += steps; }
+  bool cancelled() const override { return stop_; }
+
+  std::uint64_t wanted = 0, done = 0;
+
+ private:
+  bool stop_;
+};
+
+// A step of progress for each set, however the batch is cut; and a chance to stop.
+TEST_P(BatchExtractorContract, ProgressCountsSetsAndCanStop) {
+  const Sets sets = odd_sets();
+  for (const std::uint64_t bytes : {kNoMemoryLimit, std::uint64_t{2'000'000}}) {
+    ExtractOptions options = at_spacing(0.5);
+    options.device_memory = bytes;
+    CountingMonitor goes_on(false), stops(true);
+    options.monitor = &goes_on;
+    extractor()->extract(sets.batch(), options);
+    EXPECT_EQ(goes_on.wanted, sets.size());
+    EXPECT_EQ(goes_on.done, sets.size());
+    options.monitor = &stops;
+    EXPECT_THROW(extractor()->extract(sets.batch(), options), Cancelled);
+    EXPECT_EQ(stops.done, 0u);
+  }
 }
 
 // ---- wrong inputs ----
