@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds the container of the Containerfile, and uses it as its users would.
-#   scripts/try-container.sh [OPTION...]     options for buildah bud, such as --volume
+#   scripts/try-container.sh [OPTION...]     options for buildah bud, such as --no-cache
 # Needs root and buildah (scripts/install-deps.sh container). Base images that are not there are made by
-# debootstrap from the source of bookworm that apt of this machine has, so that no registry is asked; layers of
-# an earlier call are used again. The image is called localhost/vdwmesh.
+# debootstrap from the source of bookworm that apt of this machine has, so that no registry is asked; layers
+# of an earlier call are used again. The image is called localhost/vdwmesh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
