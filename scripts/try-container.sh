@@ -65,7 +65,7 @@ inside vdwmesh --version
 inside vdwmesh report --sample ubiquitin > "$work/report.txt"
 grep -E '^(Area|Volume|Tunnels)' "$work/report.txt"
 inside vdwmesh render --sample bpti --edge-length 1 -o /tmp/bpti.png --quiet
-inside python3 -c 'import vdwmesh; print(f"Python: {vdwmesh.exact(vdwmesh.sample(\"ubiquitin\")).area:.3f} Å²")'
+inside python3 -c 'import vdwmesh; print("Python:", round(vdwmesh.exact(vdwmesh.sample("ubiquitin")).area, 3), "Å²")'
 for compiler in cc gcc g++ cmake; do
   if inside sh -c "command -v $compiler" > /dev/null; then
     echo "try-container: the image has $compiler, which only building needs" >&2
