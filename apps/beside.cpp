@@ -1,4 +1,4 @@
-// Two stages at the same time, by a task of oneTBB. The task is begun by a worker of oneTBB, of
+// Stages at the same time, by a task of oneTBB. The task is begun by a worker of oneTBB, of
 // which there are as many as the session allows beside this thread; without any, this thread runs
 // it when it waits for it. The loops within the task use all workers.
 //
@@ -23,21 +23,24 @@ double thread_seconds() {
 
 }  // namespace
 
-void run_beside(Session& session, const StageWork& here, const StageWork& beside) {
+void run_beside(Session& session, const std::vector<StageWork>& here, const StageWork& beside) {
   std::exception_ptr failure;
   tbb::task_group task;
   task.run(beside.work);
-  const double begin = thread_seconds();
-  try {
-    here.work();
-  } catch (...) {
-    failure = std::current_exception();
+  for (const StageWork& stage : here) {
+    if (failure) break;
+    const double begin = thread_seconds();
+    try {
+      stage.work();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const double thread = thread_seconds() - begin;
+    const StageTime lap = session.clock.lap();
+    const double own = std::min(thread, lap.cpu);  // the two clocks may differ by a tick
+    add(session.report.timing.*stage.stage, {lap.wall, own});
+    add(session.report.timing.*beside.stage, {0, lap.cpu - own});
   }
-  const double thread = thread_seconds() - begin;
-  const StageTime lap = session.clock.lap();
-  const double own = std::min(thread, lap.cpu);  // the two clocks may differ by a tick
-  add(session.report.timing.*here.stage, {lap.wall, own});
-  add(session.report.timing.*beside.stage, {0, lap.cpu - own});
   task.wait();
   session.end_stage(beside.stage);
   if (failure) std::rethrow_exception(failure);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "session.hpp"
 
@@ -12,13 +13,14 @@ struct StageWork {
   std::function<void()> work;
 };
 
-// Runs `here` on this thread, and meanwhile `beside` on the other threads that the session has; if
-// there are none, `beside` runs afterwards. Neither may touch what the other one writes. What
-// either throws is thrown after both have ended. Precondition: the stage before has just ended.
+// Runs the stages `here` from this thread, one after the other, and meanwhile `beside` on the other
+// threads that the session has; if there are none, `beside` runs afterwards. Neither may touch what
+// the other one writes. After a stage that throws no further one is begun; what is thrown is thrown
+// after `beside` has ended, too. Precondition: the stage before has just ended.
 //
-// The wall time of `here` is its own; that of `beside` is what it takes longer, so that stages
-// still add up to the total. Processor time is that of this thread for `here`, and all other for
-// `beside`, also what other threads did for `here`.
-void run_beside(Session& session, const StageWork& here, const StageWork& beside);
+// The wall time of a stage `here` is its own; that of `beside` is what it takes longer, so that
+// stages still add up to the total. Processor time is that of this thread for the stages `here`,
+// and all other for `beside`, also what other threads did for a stage `here`.
+void run_beside(Session& session, const std::vector<StageWork>& here, const StageWork& beside);
 
 }  // namespace vdwmesh::apps

@@ -291,13 +291,17 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
   session.end_stage(&Timing::self_intersections);
 }
 
-void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
-                        SurfaceMeshBuilder& builder, Session& session) {
+void build_colored(const IndexedMesh& mesh, const Molecule& molecule, SurfaceMeshBuilder& builder) {
   SurfaceMesh& surface = builder.build(mesh);
   std::vector<std::string> elements;
   elements.reserve(molecule.atoms.size());
   for (const Atom& atom : molecule.atoms) elements.push_back(atom.element);
   color_by_element(surface, elements);
+}
+
+void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
+                        SurfaceMeshBuilder& builder, Session& session) {
+  build_colored(mesh, molecule, builder);
   session.end_stage(&Timing::build);
 }
 

@@ -83,7 +83,9 @@ void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mes
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles);
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session);
 
-// The half-edge mesh with normals, atoms and CPK colours, where the builder makes it.
+// The half-edge mesh with normals, atoms and CPK colours, where the builder makes it. The second
+// function ends the stage.
+void build_colored(const IndexedMesh& mesh, const Molecule& molecule, SurfaceMeshBuilder& builder);
 void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
                         SurfaceMeshBuilder& builder, Session& session);
 

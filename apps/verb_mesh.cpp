@@ -37,19 +37,21 @@ MemoryDemand memory_of_mesh(const Options& options) {
   return demand;
 }
 
-// The mesh as it was made, and in half-edges as it will be written.
+// The mesh as it was made, and in half-edges as it will be written. If it is not measured yet, it
+// may also not be built yet.
 struct Made {
   IndexedMesh mesh;
   SurfaceMesh built;
-  bool is_measured = false;
+  SurfaceMeshBuilder builder{built};
+  bool is_measured = false, is_built = false;
 };
 
-// Leaves the measuring to the time when the file is written if memory holds the half-edges too;
-// else measures now.
+// Leaves the measuring to the time when the half-edges are built and the file is written if memory
+// holds all of that; else measures now.
 void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, Made& made,
                           Session& session) {
   MemoryDemand later = demand;
-  later.early = Switch::on;  // the half-edges are there while the mesh is measured
+  later.early = Switch::on;  // the half-edges are built while the mesh is measured
   if (!session.report.mesh) session.report.mesh.emplace();
   later.mesh = {mesh.vertex_count(), mesh.triangle_count()};
   if (early_build_fits(later, later.mesh, session.machine.memory_limit)) {
@@ -61,16 +63,16 @@ void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, M
   made.is_measured = true;
 }
 
-// The mesh in half-edges, with what there is to say about it in the report.
-void build(const Structure& structure, const Options& options, Made& made, Session& session) {
+// The mesh, with what there is to say about it in the report. Where it is measured already, it is
+// built, too, and given up.
+void make(const Structure& structure, const Options& options, Made& made, Session& session) {
   const std::uint64_t limit = options.machine.memory_limit;
   MemoryDemand demand = memory_of_mesh(options);
   const auto estimate = check_memory_before(demand, structure.spheres, limit);
   session.end_stage(&Timing::plan);
-  SurfaceMeshBuilder builder(made.built);
   const auto prepare = [&](const MeshSize& size) {
     if (early_build_fits(demand, size, limit)) {
-      builder.prepare(size);
+      made.builder.prepare(size);
     } else {
       demand.early = Switch::off;
     }
@@ -80,13 +82,15 @@ void build(const Structure& structure, const Options& options, Made& made, Sessi
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, made.mesh, limit);
   measure_now_or_later(made.mesh, demand, made, session);
-  build_surface_mesh(made.mesh, structure.molecule, builder, session);
-  if (made.is_measured) made.mesh = {};
+  if (!made.is_measured) return;
+  build_surface_mesh(made.mesh, structure.molecule, made.builder, session);
+  made.is_built = true;
+  made.mesh = {};
 }
 
-// The same for the excluded surface, beside its exact measures.
-void build_excluded(const Structure& structure, const Options& options, Made& made,
-                    Session& session) {
+// The same for the excluded surface, beside its exact measures; it is built in any case.
+void make_excluded(const Structure& structure, const Options& options, Made& made,
+                   Session& session) {
   const double probe = options.inputs.front().probe;
   MemoryDemand demand = memory_of_mesh(options);
   const std::uint64_t estimate =
@@ -96,15 +100,15 @@ void build_excluded(const Structure& structure, const Options& options, Made& ma
   check_memory_after(demand, structure.spheres, patched.mesh, options.machine.memory_limit);
   measure_now_or_later(patched.mesh, demand, made, session);
   session.report.mesh->patches = count_patches(patched);
-  SurfaceMeshBuilder builder(made.built);
-  build_surface_mesh(patched.mesh, structure.molecule, builder, session);
+  build_surface_mesh(patched.mesh, structure.molecule, made.builder, session);
+  made.is_built = true;
   add_patch_properties(made.built, patched);
   if (!made.is_measured) made.mesh = std::move(patched.mesh);
 }
 
-// Writes the file, and measures the mesh meanwhile if that was left to this stage. Formats that
-// cannot hold all that the mesh knows are named in a note.
-void write(const Made& made, const Options& options, const Structure& structure, Session& session) {
+// Builds the half-edges and writes the file, and measures the mesh meanwhile, as far as that was
+// left to this function. Formats that cannot hold all that the mesh knows are named in a note.
+void write(Made& made, const Options& options, const Structure& structure, Session& session) {
   const std::string& path = options.mesh_path;
   begin_stage(session.monitor, "write", 1);
   const SignalMonitor signals;
@@ -117,9 +121,15 @@ void write(const Made& made, const Options& options, const Structure& structure,
   if (made.is_measured) {
     write_file();
   } else {
-    run_beside(
-        session, {&Timing::write, write_file},
-        {&Timing::measure, [&] { static_cast<MeshExamination&>(result) = examine(made.mesh); }});
+    std::vector<StageWork> here;
+    if (!made.is_built) {
+      here.push_back(
+          {&Timing::build, [&] { build_colored(made.mesh, structure.molecule, made.builder); }});
+    }
+    here.push_back({&Timing::write, write_file});
+    run_beside(session, here, {&Timing::measure, [&] {
+                                 static_cast<MeshExamination&>(result) = examine(made.mesh);
+                               }});
   }
   if (options.surface.kind != ExactSurface::excluded) {
     warn_of_lost_balls(structure.spheres, session);
@@ -145,9 +155,9 @@ void run_mesh(const Options& options) {
   const Structure structure = load(options.inputs.front(), session);
   Made made;
   if (options.surface.kind == ExactSurface::excluded) {
-    build_excluded(structure, options, made, session);
+    make_excluded(structure, options, made, session);
   } else {
-    build(structure, with_edge_lengths(options, structure), made, session);
+    make(structure, with_edge_lengths(options, structure), made, session);
   }
   write(made, options, structure, session);
   session.deliver_report(options.output);

@@ -1,4 +1,4 @@
-// Two stages at the same time: both run to their end whatever either throws, and their times add
+// Stages at the same time: both sides run to their end whatever either throws, and their times add
 // up.
 #include "beside.hpp"
 
@@ -28,7 +28,7 @@ class Beside : public ::testing::TestWithParam<std::size_t> {
 TEST_P(Beside, TimesOfBothStagesAddUpToTheClock) {
   std::atomic<int> loops{0};
   double here = 0;
-  run_beside(session_, {&Timing::write, [&] { here = work(40); }},
+  run_beside(session_, {{&Timing::write, [&] { here = work(40); }}},
              {&Timing::measure,
               [&] { tbb::parallel_for(0, 100, [&](int) { loops += work(2) > 0 ? 1 : 0; }); }});
   EXPECT_EQ(loops, 100);
@@ -41,15 +41,45 @@ TEST_P(Beside, TimesOfBothStagesAddUpToTheClock) {
   EXPECT_GE(measure.wall, 0);
 }
 
+TEST_P(Beside, SeveralStagesFollowEachOther) {
+  double built = 0, written = 0;
+  run_beside(session_,
+             {{&Timing::build, [&] { built = work(20); }},
+              {&Timing::write, [&] { written = built + work(20); }}},
+             {&Timing::measure, [] { (void)work(30); }});
+  EXPECT_GT(written, built);
+  const Timing& timing = session_.report.timing;
+  const StageTime whole = session_.clock.whole();
+  EXPECT_NEAR(timing.build->wall + timing.write->wall + timing.measure->wall, whole.wall, 1e-9);
+  EXPECT_NEAR(timing.build->cpu + timing.write->cpu + timing.measure->cpu, whole.cpu, 1e-9);
+  for (const auto& stage : {timing.build, timing.write}) {
+    EXPECT_GT(stage->wall, 0);
+    EXPECT_GT(stage->cpu, 0);
+  }
+}
+
+TEST_P(Beside, NoStageFollowsAFailure) {
+  bool written = false, ended = false;
+  const auto run = [&] {
+    run_beside(session_,
+               {{&Timing::build, [] { throw std::runtime_error("no fan"); }},
+                {&Timing::write, [&] { written = true; }}},
+               {&Timing::measure, [&] { ended = work(5) > 0; }});
+  };
+  EXPECT_THROW(run(), std::runtime_error);
+  EXPECT_FALSE(written);
+  EXPECT_TRUE(ended);
+}
+
 TEST_P(Beside, AFailureHereWaitsForTheOtherStage) {
   bool ended = false;
   const auto fail = [] { throw std::runtime_error("disk full"); };
   const auto run = [&] {
-    run_beside(session_, {&Timing::write, fail}, {&Timing::measure, [&] {
-                                                    tbb::parallel_for(0, 10,
-                                                                      [&](int) { (void)work(5); });
-                                                    ended = true;
-                                                  }});
+    run_beside(session_, {{&Timing::write, fail}}, {&Timing::measure, [&] {
+                                                      tbb::parallel_for(
+                                                          0, 10, [&](int) { (void)work(5); });
+                                                      ended = true;
+                                                    }});
   };
   EXPECT_THROW(run(), std::runtime_error);
   EXPECT_TRUE(ended);
@@ -58,7 +88,7 @@ TEST_P(Beside, AFailureHereWaitsForTheOtherStage) {
 TEST_P(Beside, AFailureOfTheOtherStageIsThrown) {
   bool ended = false;
   const auto run = [&] {
-    run_beside(session_, {&Timing::write, [&] { ended = work(5) > 0; }},
+    run_beside(session_, {{&Timing::write, [&] { ended = work(5) > 0; }}},
                {&Timing::measure, [] { throw std::runtime_error("no memory"); }});
   };
   EXPECT_THROW(run(), std::runtime_error);
