@@ -22,7 +22,9 @@ namespace vdwmesh {
 // Calls body(i) for every i in [0, count) on all cores, in no particular order.
 template <class Body>
 void for_each_index(std::size_t count, const Body& body) {
-  constexpr std::size_t kGrain = 4096;  // a block has to be worth far more than its scheduling
+  // A block has to be worth more than its scheduling, but arrays of some thousand elements are for
+  // all cores, too.
+  constexpr std::size_t kGrain = 512;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
   });
@@ -105,9 +107,10 @@ void make_and_add(std::size_t count, const Make& make, const Add& add) {
 
 // Calls add(i, found) for every i in [0, count) on all cores, which may append to `found`. Returns
 // everything found in the order of the indices. The monitor is asked whether to stop, once a block.
+// Blocks are small, so that some thousand indices are for all cores; nothing depends on them.
 template <class Item, class Add>
 std::vector<Item> collect(std::size_t count, const Add& add, Monitor* monitor = nullptr) {
-  constexpr std::size_t per_block = kIndicesPerBlock;
+  constexpr std::size_t per_block = 2048;
   std::vector<std::vector<Item>> parts(block_count(count, per_block));
   for_each_block(count, per_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
     advance(monitor, 0);

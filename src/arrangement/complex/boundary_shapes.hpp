@@ -5,10 +5,9 @@
 // empty arcs come from solid and dihedral angles (simplex_shape.hpp), which lose no digits there.
 #pragma once
 
-#include <vector>
-
 #include "arrangement/complex/exposed_arcs.hpp"
 #include "arrangement/complex/simplex_shape.hpp"
+#include "core/buffer.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
@@ -50,8 +49,8 @@ class BoundaryShapes {
 
   const PowerTriangulation& t_;
   const DualComplex& k_;
-  std::vector<EdgeShape> edges_;       // per edge of the complex
-  std::vector<CommonPoints> corners_;  // per triangle of the complex
+  Buffer<EdgeShape> edges_;       // per edge of the complex
+  Buffer<CommonPoints> corners_;  // per triangle of the complex
 };
 
 }  // namespace vdwmesh

@@ -19,11 +19,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
+#include <span>
 #include <utility>
 
 #include "arrangement/complex/power_predicates.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/sorted_rows.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -44,51 +45,16 @@ std::size_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t valu
   return static_cast<std::size_t>(std::find(four.begin(), four.end(), value) - four.begin());
 }
 
-// A hash table from two vertices a < b to the number of their edge, with chains in one array. The
-// bucket is 8 a + 5 b modulo the number of buckets. Vertices near in space have near numbers, so
-// edges near in space have buckets near in memory. Even thousands of edges of one vertex v spread
-// over many buckets, because no two of them have the same number: edges to lower vertices a have
-// the numbers 8 a + 5 v, all different and below 13 v; edges to higher vertices b have 8 v + 5 b,
-// all different and above 13 v.
-class EdgeTable {
- public:
-  explicit EdgeTable(std::size_t vertices)
-      : first_(std::bit_ceil(kBucketsPerVertex * vertices), kNoIndex) {}
-
-  // Returns the number of edge ab, or kNoIndex.
-  std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
-    if (a > b) std::swap(a, b);
-    std::uint32_t e = first_[bucket(a, b)];
-    while (e != kNoIndex && (links_[e].lower != a || links_[e].upper != b)) e = links_[e].next;
-    return e;
-  }
-  // Numbers edge ab, which must not be in the table yet; numbers count up from 0.
-  std::uint32_t add(std::uint32_t a, std::uint32_t b) {
-    if (a > b) std::swap(a, b);
-    const auto e = static_cast<std::uint32_t>(links_.size());
-    std::uint32_t& first = first_[bucket(a, b)];
-    links_.push_back({a, b, first});
-    first = e;
-    return e;
-  }
-
- private:
-  static constexpr std::size_t kBucketsPerVertex = 8;
-  struct Link {
-    std::uint32_t lower, upper, next;  // the two vertices; next edge of the bucket or kNoIndex
-  };
-  std::size_t bucket(std::size_t a, std::size_t b) const {
-    return (8 * a + 5 * b) & (first_.size() - 1);
-  }
-
-  std::vector<std::uint32_t> first_;  // per bucket its first edge or kNoIndex; size: a power of two
-  std::vector<Link> links_;           // per edge
+// A triangle that has an edge, in the row of the edge's lower ball. The entries of one edge follow
+// each other there, by ascending triangle.
+struct EdgeEntry {
+  std::uint32_t upper, triangle;  // the edge's upper ball
+  friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
 };
 
 class Builder {
  public:
-  explicit Builder(const PowerTriangulation& triangulation)
-      : t_(triangulation), table_(triangulation.balls.size()) {
+  explicit Builder(const PowerTriangulation& triangulation) : t_(triangulation) {
     out_.in_complex.assign(t_.balls.size(), 0);
     out_.exposed.assign(t_.balls.size(), 0);
     strict_.assign(t_.balls.size(), 0);
@@ -109,13 +75,14 @@ class Builder {
     const auto facets = collect_from_cells<CellFacet>(
         monitor,
         [&](std::uint32_t c, std::vector<CellFacet>& found) { classify_facets(c, found); });
-    for (const CellFacet& facet : facets) add_triangle(facet);
+    add_triangles(facets);
     const auto edges = collect_from_cells<SingularEdge>(
         monitor,
         [&](std::uint32_t c, std::vector<SingularEdge>& found) { classify_edges(c, found); });
     for (const SingularEdge& found : edges) {
-      DualEdge& e = out_.edges[add_edge(found.a, found.b, found.contact)];
-      e.exposed = e.singular = true;
+      const auto [lower, upper] = std::minmax(found.a, found.b);
+      out_.edges.push_back({{lower, upper}, found.contact, true, true});
+      out_.in_complex[lower] = out_.in_complex[upper] = 1;
     }
     classify_vertices();
     mark_exposed();
@@ -229,41 +196,96 @@ class Builder {
     }
   }
 
-  // Adds a triangle with its edges.
-  void add_triangle(const CellFacet& facet) {
+  // Adds triangles, in the order of the facets, with their edges.
+  void add_triangles(const std::vector<CellFacet>& facets) {
+    out_.triangles.resize(facets.size());
+    for_each_index(facets.size(), [&](std::size_t i) {
+      out_.triangles[i] = triangle_at(facets[i], static_cast<std::uint32_t>(i));
+    });
+    rows_.fill(t_.balls.size(), out_.triangles.size(), [&](std::size_t i, const auto& add) {
+      const auto& v = out_.triangles[i].vertices;
+      for (std::size_t m = 0; m < 3; ++m) {
+        const auto [lower, upper] = std::minmax(v[(m + 1) % 3], v[(m + 2) % 3]);
+        add(lower, {upper, static_cast<std::uint32_t>(i)});
+      }
+    });
+    add_edges_of_triangles();
+  }
+
+  // The triangle of a facet, as yet without its edges; tells both its cells its number.
+  DualTriangle triangle_at(const CellFacet& facet, std::uint32_t number) {
     const auto [c, k] = facet;
     const std::uint32_t n = t_.neighbors[c][k];
-    const std::array<bool, 2> exposed{!out_.cell_in_complex[c], !out_.cell_in_complex[n]};
-    const auto id = static_cast<std::uint32_t>(out_.triangles.size());
-    out_.cell_triangles[c][k] = id;
-    out_.cell_triangles[n][slot_of(t_.neighbors[n], c)] = id;
+    out_.cell_triangles[c][k] = number;
+    out_.cell_triangles[n][slot_of(t_.neighbors[n], c)] = number;
     DualTriangle triangle{};
     for (std::size_t m = 0; m < 3; ++m) triangle.vertices[m] = t_.cells[c][kFacetVertices[k][m]];
     triangle.cells = {c, n};
-    triangle.exposed = exposed;
-    for (std::size_t m = 0; m < 3; ++m) {
-      triangle.edges[m] = edge(triangle.vertices[(m + 1) % 3], triangle.vertices[(m + 2) % 3]);
-      DualEdge& e = out_.edges[triangle.edges[m]];
-      e.exposed = e.exposed || exposed[0] || exposed[1];
-      e.singular = false;
-    }
-    out_.triangles.push_back(triangle);
+    triangle.exposed = {!out_.cell_in_complex[c], !out_.cell_in_complex[n]};
+    return triangle;
   }
 
-  // Returns the number of edge ab of a triangle of the complex. Adds the edge if it is not there
-  // yet, with Contact::strict whatever its size, which is not computed (DualEdge::contact). The
-  // word says nothing about the edge's balls here.
-  std::uint32_t edge(std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t found = table_.find(a, b);
-    return found != kNoIndex ? found : add_edge(a, b, Contact::strict);
+  // Numbers the edges of the triangles in the order in which triangle after triangle names them, so
+  // that edges near in space are near in memory. The first entry of an edge in its row is the
+  // triangle that names it first. All their Contact is strict, whatever their size, which is not
+  // computed (DualEdge::contact); the word says nothing about the edge's balls here.
+  void add_edges_of_triangles() {
+    // By 3 × triangle + its edge: whether no earlier triangle has that edge.
+    std::vector<std::uint8_t> is_first(3 * out_.triangles.size(), 0);
+    for_each_edge([&](std::uint32_t a, std::span<const EdgeEntry> edge) {
+      is_first[place_of(a, edge[0])] = 1;
+    });
+    const std::uint32_t count = number_all(
+        is_first.size(), [&](std::size_t place) { return is_first[place] != 0; },
+        [&](std::size_t place, std::uint32_t number) {
+          out_.triangles[place / 3].edges[place % 3] = number;
+        });
+    out_.edges.resize(count);
+    for_each_edge([&](std::uint32_t a, std::span<const EdgeEntry> edge) {
+      const std::size_t first = place_of(a, edge[0]);
+      const std::uint32_t number = out_.triangles[first / 3].edges[first % 3];
+      bool exposed = false;
+      for (const EdgeEntry& entry : edge) {
+        DualTriangle& triangle = out_.triangles[entry.triangle];
+        triangle.edges[place_of(a, entry) % 3] = number;
+        exposed = exposed || triangle.exposed[0] || triangle.exposed[1];
+      }
+      out_.edges[number] = {{a, edge[0].upper}, Contact::strict, exposed, false};
+      set(out_.in_complex[a]);
+      set(out_.in_complex[edge[0].upper]);
+    });
   }
 
-  // Adds edge ab and its vertices to the complex; the caller sets `exposed` and `singular`.
-  std::uint32_t add_edge(std::uint32_t a, std::uint32_t b, Contact contact) {
-    const std::uint32_t id = table_.add(a, b);
-    out_.edges.push_back({{std::min(a, b), std::max(a, b)}, contact, false, false});
-    out_.in_complex[a] = out_.in_complex[b] = 1;
-    return id;
+  // Calls visit(a, entries) for every edge of the triangles on all cores: its lower ball, and its
+  // entries in the row of this ball.
+  template <class Visit>
+  void for_each_edge(const Visit& visit) const {
+    for_each_index(t_.balls.size(), [&](std::size_t ball) {
+      const auto a = static_cast<std::uint32_t>(ball);
+      const auto row = rows_[a];
+      for (auto begin = row.begin(); begin != row.end();) {
+        const auto end = std::find_if(
+            begin, row.end(), [&](const EdgeEntry& entry) { return entry.upper != begin->upper; });
+        visit(a, std::span(begin, end));
+        begin = end;
+      }
+    });
+  }
+
+  // Whether ab is an edge of a triangle.
+  bool is_in_triangle(std::uint32_t a, std::uint32_t b) const {
+    const auto row = rows_[std::min(a, b)];
+    const EdgeEntry first{std::max(a, b), 0};
+    const auto found = std::lower_bound(row.begin(), row.end(), first);
+    return found != row.end() && found->upper == first.upper;
+  }
+
+  // 3 × triangle + the place of the edge of ball a in it.
+  std::size_t place_of(std::uint32_t a, const EdgeEntry& entry) const {
+    const auto& v = out_.triangles[entry.triangle].vertices;
+    std::size_t m = 0;
+    while (v[m] == a || v[m] == entry.upper) ++m;
+    return 3 * std::size_t{entry.triangle} + m;
   }
 
   // Finds the edges of cell c that are in the complex but in none of its triangles. `open`: the
@@ -282,10 +304,10 @@ class Builder {
   }
 
   // Lists edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If the
-  // edge is in the table, it belongs to a triangle of another cell around it.
+  // edge is in a row, it belongs to a triangle of another cell around it.
   void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b,
                      std::vector<SingularEdge>& found) {
-    if (table_.find(a, b) != kNoIndex || !is_lowest_around(c, a, b)) return;
+    if (is_in_triangle(a, b) || !is_lowest_around(c, a, b)) return;
     const Sign size = size_sign(ball(a), ball(b));
     if (size == Sign::positive || is_attached(c, a, b)) return;
     found.push_back({a, b, size == Sign::negative ? Contact::strict : Contact::touching});
@@ -382,10 +404,11 @@ class Builder {
     }
   }
 
-  // The same for edge ab of cell c, if it is in the complex.
+  // The same for edge ab of cell c, if it is in a triangle of the complex. All other edges of the
+  // complex were tested.
   void find_strict_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
     if (!t_.is_ball(a) || !t_.is_ball(b) || (strict_[a] && strict_[b])) return;
-    if (table_.find(a, b) == kNoIndex || size_sign(ball(a), ball(b)) != Sign::negative) return;
+    if (!is_in_triangle(a, b) || size_sign(ball(a), ball(b)) != Sign::negative) return;
     if (!is_attached(c, a, b)) strict_[a] = strict_[b] = 1;
   }
 
@@ -422,7 +445,7 @@ class Builder {
 
   const PowerTriangulation& t_;
   DualComplex out_;
-  EdgeTable table_;
+  SortedRows<EdgeEntry> rows_;          // per ball: its edges to upper balls, in triangles
   std::vector<std::uint8_t> strict_;    // per ball: still in the complex of balls a little smaller
   std::vector<std::uint8_t> overlaps_;  // per cell: pairs whose balls may meet
 };

@@ -1,4 +1,5 @@
-// gauss_bonnet(): areas by the Gauss–Bonnet theorem, volumes by pyramids over power faces.
+// gauss_bonnet(): areas by the Gauss–Bonnet theorem, volumes by pyramids over power faces. And
+// exposed_areas(): the areas alone.
 //
 // For a ball of radius r, with the Euler characteristic χ of its exposed patches, and for each of
 // its radical planes the signed height h over the centre and the exposed angle φ of the circle in
@@ -9,8 +10,11 @@
 // from the centre of the circle: one over the chord of each triangle of the complex at the edge,
 // and the sectors of the exposed arcs.
 //
-// The terms are computed on all cores, and then summed on one, in the order of the complex.
+// Areas are summed ball by ball on all cores, over its triangles and then its arcs, in the order of
+// the complex. The terms of the volumes are computed on all cores, and then summed on one, in the
+// same order.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +22,7 @@
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/directions.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/sorted_rows.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -33,27 +38,115 @@ void add_multiple_of_two_pi(int n, WideSum& sum) {
   sum.add(std::fma(kTwoPi, n, -(kTwoPi * n)) + kTwoPiRest * n);
 }
 
+// The angle of every arc.
+Buffer<double> arc_angles(const BoundaryShapes& shapes, const std::vector<ExposedArc>& arcs) {
+  Buffer<double> angles(arcs.size());
+  for_each_index(arcs.size(), [&](std::size_t i) { angles[i] = shapes.angle(arcs[i]); });
+  return angles;
+}
+
+// The exposed area of every ball.
+class AreaSum {
+ public:
+  AreaSum(const PowerTriangulation& triangulation, const DualComplex& complex,
+          const BoundaryShapes& shapes, const std::vector<ExposedArc>& arcs,
+          const Buffer<double>& angles)
+      : t_(triangulation),
+        k_(complex),
+        shapes_(shapes),
+        arcs_(arcs),
+        angles_(angles),
+        euler_(t_.balls.size(), 2) {}
+
+  std::vector<double> run() && {
+    count_euler();
+    triangles_.fill(t_.balls.size(), k_.triangles.size(), [&](std::size_t i, const auto& add) {
+      const DualTriangle& f = k_.triangles[i];
+      if (!f.exposed[0] && !f.exposed[1]) return;
+      for (const std::uint32_t v : f.vertices) add(v, static_cast<std::uint32_t>(i));
+    });
+    arcs_of_.fill(t_.balls.size(), arcs_.size(), [&](std::size_t i, const auto& add) {
+      for (const std::uint32_t v : k_.edges[arcs_[i].edge].vertices) {
+        add(v, static_cast<std::uint32_t>(i));
+      }
+    });
+    std::vector<double> areas(t_.balls.size());
+    for_each_index(areas.size(),
+                   [&](std::size_t v) { areas[v] = area(static_cast<std::uint32_t>(v)); });
+    return areas;
+  }
+
+ private:
+  // The exposed part of a sphere is homotopy equivalent to the complement of the vertex's link in a
+  // sphere. So its Euler characteristic is 2, where euler_ starts, minus that of the link, whose
+  // vertices, edges and triangles come from the edges, triangles and tetrahedra at the vertex.
+  void count_euler() {
+    const auto add = [&](std::uint32_t v, int n) {
+      std::atomic_ref(euler_[v]).fetch_add(n, std::memory_order_relaxed);
+    };
+    for_each_index(k_.edges.size(), [&](std::size_t e) {
+      for (const std::uint32_t v : k_.edges[e].vertices) add(v, -1);
+    });
+    for_each_index(k_.triangles.size(), [&](std::size_t f) {
+      for (const std::uint32_t v : k_.triangles[f].vertices) add(v, 1);
+    });
+    for_each_index(k_.tetrahedra.size(), [&](std::size_t i) {
+      for (const std::uint32_t v : t_.cells[k_.tetrahedra[i]]) add(v, -1);
+    });
+  }
+
+  // r² (2 π χ + sum φ h / r - sum turning angles). Both corners of a triangle have the same turning
+  // angles by symmetry. With n neighbours the sums are about n times as large as the result, so
+  // they are kept in more than double precision. A ball that is not in the complex has none.
+  double area(std::uint32_t v) const {
+    if (!k_.in_complex[v]) return 0;
+    const double r = t_.balls[v].radius;
+    WideSum curvature;
+    for (const std::uint32_t i : triangles_[v]) {
+      const DualTriangle& f = k_.triangles[i];
+      const std::size_t k = f.vertices[0] == v ? 0 : f.vertices[1] == v ? 1 : 2;
+      curvature.add(-(f.exposed[0] + f.exposed[1]) * shapes_.turning_angle(i, k));
+    }
+    for (const std::uint32_t i : arcs_of_[v]) {
+      const std::uint32_t e = arcs_[i].edge;
+      const double height = shapes_.edge(e).height[k_.edges[e].vertices[0] == v ? 0 : 1];
+      curvature.add(angles_[i] * height / r);
+    }
+    add_multiple_of_two_pi(euler_[v], curvature);
+    return r * r * curvature.value();
+  }
+
+  const PowerTriangulation& t_;
+  const DualComplex& k_;
+  const BoundaryShapes& shapes_;
+  const std::vector<ExposedArc>& arcs_;
+  const Buffer<double>& angles_;                   // per arc
+  std::vector<int> euler_;                         // per ball: χ of its exposed part
+  SortedRows<std::uint32_t> triangles_, arcs_of_;  // per ball: its exposed triangles, its arcs
+};
+
 class GaussBonnetSum {
  public:
   GaussBonnetSum(const PowerTriangulation& triangulation, const DualComplex& complex)
       : t_(triangulation),
         k_(complex),
         shapes_(triangulation, complex),
-        euler_(t_.balls.size(), 2),
-        curvature_(t_.balls.size()),
         twice_face_(k_.edges.size(), 0) {}
 
   std::vector<SphereMeasures> run() && {
     place_points();
-    count_euler();
     make_and_add(
-        k_.triangles.size(), [&](std::size_t i) { return terms_of(i); },
-        [&](std::size_t i, const TriangleTerms& terms) { add_triangle(i, terms); });
+        k_.triangles.size(), [&](std::size_t i) { return faces_of(i); },
+        [&](std::size_t i, const std::array<double, 3>& faces) {
+          for (std::size_t k = 0; k < 3; ++k) twice_face_[k_.triangles[i].edges[k]] += faces[k];
+        });
     const std::vector<ExposedArc> arcs = exposed_arcs(t_, k_);
-    make_and_add(
-        arcs.size(), [&](std::size_t i) { return shapes_.angle(arcs[i]); },
-        [&](std::size_t i, double angle) { add_arc(arcs[i], angle); });
-    return sum();
+    const Buffer<double> angles = arc_angles(shapes_, arcs);
+    // Each arc adds its sector to the power face of its edge.
+    for (std::size_t i = 0; i < arcs.size(); ++i) {
+      twice_face_[arcs[i].edge] += shapes_.edge(arcs[i].edge).squared_circle_radius * angles[i];
+    }
+    return sum(AreaSum(t_, k_, shapes_, arcs, angles).run());
   }
 
  private:
@@ -91,69 +184,26 @@ class GaussBonnetSum {
     return out;
   }
 
-  // The exposed part of a sphere is homotopy equivalent to the complement of the vertex's link in a
-  // sphere. So its Euler characteristic is 2, where euler_ starts, minus that of the link, whose
-  // vertices, edges and triangles come from the edges, triangles and tetrahedra at the vertex.
-  void count_euler() {
-    for (const DualEdge& e : k_.edges) {
-      for (const std::uint32_t v : e.vertices) --euler_[v];
-    }
-    for (const DualTriangle& f : k_.triangles) {
-      for (const std::uint32_t v : f.vertices) ++euler_[v];
-    }
-    for (const std::uint32_t c : k_.tetrahedra) {
-      for (const std::uint32_t v : t_.cells[c]) --euler_[v];
-    }
-  }
-
-  // What a triangle adds to twice the area of the power face of each of its edges, and to the
-  // curvature of each of its vertices.
-  struct TriangleTerms {
-    std::array<double, 3> twice_face, curvature;
-  };
-
-  // The terms of triangle i: for each of its edges the signed triangle from the circle's centre
-  // over the chord to the power face, for each of its vertices the turning angles at its corners. A
-  // chord runs counter-clockwise about the edge's axis, towards the triangle's leading side. Both
-  // corners have the same angle by symmetry.
-  TriangleTerms terms_of(std::size_t i) const {
+  // What triangle i adds to twice the area of the power face of each of its edges: the signed
+  // triangle from the circle's centre over the chord to the power face. A chord runs
+  // counter-clockwise about the edge's axis, towards the triangle's leading side.
+  std::array<double, 3> faces_of(std::size_t i) const {
     const DualTriangle& f = k_.triangles[i];
-    TriangleTerms terms{};
+    std::array<double, 3> faces{};
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t e = f.edges[k];
       const std::size_t lead = leading_side(f, k);
       const auto& [a, b] = k_.edges[e].vertices;
       const Vec3d before = shapes_.from_circle(e, f, chords_[i].end[1 - lead]),
                   after = shapes_.from_circle(e, f, chords_[i].end[lead]);
-      terms.twice_face[k] = triple_product(between(a, b), before, after) / shapes_.edge(e).length;
+      faces[k] = triple_product(between(a, b), before, after) / shapes_.edge(e).length;
     }
-    const int corners = f.exposed[0] + f.exposed[1];
-    for (std::size_t k = 0; corners > 0 && k < 3; ++k) {
-      terms.curvature[k] = -corners * shapes_.turning_angle(i, k);
-    }
-    return terms;
+    return faces;
   }
 
-  void add_triangle(std::size_t i, const TriangleTerms& terms) {
-    const DualTriangle& f = k_.triangles[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      twice_face_[f.edges[k]] += terms.twice_face[k];
-      if (f.exposed[0] || f.exposed[1]) curvature_[f.vertices[k]].add(terms.curvature[k]);
-    }
-  }
-
-  // Adds the arc's sector to the power face of its edge, and φ h / r to the sums of both spheres.
-  void add_arc(const ExposedArc& arc, double angle) {
-    const EdgeShape& shape = shapes_.edge(arc.edge);
-    twice_face_[arc.edge] += shape.squared_circle_radius * angle;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const std::uint32_t v = k_.edges[arc.edge].vertices[k];
-      curvature_[v].add(angle * shape.height[k] / ball(v).radius);
-    }
-  }
-
-  // Evaluates the formulas of the file's head. Balls that are not in the complex get 0.
-  std::vector<SphereMeasures> sum() const {
+  // Evaluates the formula of the file's head for the volumes. Balls that are not in the complex get
+  // 0. The pyramids of n neighbours are kept in more than double precision, as in AreaSum.
+  std::vector<SphereMeasures> sum(const std::vector<double>& areas) const {
     std::vector<WideSum> pyramids(t_.balls.size());
     for (std::uint32_t e = 0; e < k_.edges.size(); ++e) {
       for (std::size_t k = 0; k < 2; ++k) {
@@ -163,14 +213,8 @@ class GaussBonnetSum {
     std::vector<SphereMeasures> out(t_.balls.size(), SphereMeasures{0, 0});
     for (std::size_t v = 0; v < out.size(); ++v) {
       if (!k_.in_complex[v]) continue;
-      const double r = ball(static_cast<std::uint32_t>(v)).radius;
-      // With n neighbours both terms are about n times as large as their sum, so both are kept in
-      // more than double precision until they are added.
-      WideSum curvature = curvature_[v];
-      add_multiple_of_two_pi(euler_[v], curvature);
-      out[v].area = r * r * curvature.value();
-      pyramids[v].add(r * out[v].area / 3);
-      out[v].volume = pyramids[v].value();
+      pyramids[v].add(ball(static_cast<std::uint32_t>(v)).radius * areas[v] / 3);
+      out[v] = {areas[v], pyramids[v].value()};
     }
     return out;
   }
@@ -178,8 +222,6 @@ class GaussBonnetSum {
   const PowerTriangulation& t_;
   const DualComplex& k_;
   const BoundaryShapes shapes_;
-  std::vector<int> euler_;          // per ball: Euler characteristic of its exposed part
-  std::vector<WideSum> curvature_;  // per ball: sum φ h / r less turning angles
   std::vector<double> twice_face_;  // per edge of the complex: twice the area of power face ∩ ball
   Buffer<Vec3d> centers_;           // per cell: orthogonal centre from its first ball; set for
                                     // cells in the complex only
@@ -193,6 +235,17 @@ std::vector<SphereMeasures> gauss_bonnet(const PowerTriangulation& triangulation
   std::vector<SphereMeasures> measures = GaussBonnetSum(triangulation, complex).run();
   require_finite(measures);
   return measures;
+}
+
+std::vector<double> exposed_areas(const PowerTriangulation& triangulation,
+                                  const DualComplex& complex) {
+  const BoundaryShapes shapes(triangulation, complex);
+  const std::vector<ExposedArc> arcs = exposed_arcs(triangulation, complex);
+  std::vector<double> areas =
+      AreaSum(triangulation, complex, shapes, arcs, arc_angles(shapes, arcs)).run();
+  const auto bad = std::ranges::find_if_not(areas, [](double a) { return std::isfinite(a); });
+  if (bad != areas.end()) require_finite({{*bad, 0}});
+  return areas;
 }
 
 }  // namespace vdwmesh

@@ -4,8 +4,8 @@
 // they check each other's sums, but not the complex. The measures from arcs (arcs/arcs.hpp) share
 // nothing with them and check the complex too.
 //
-// Both functions return one entry for each ball of the triangulation: the exposed area of its
-// sphere and the volume of ball ∩ power cell. Lengths are scaled as in the triangulation.
+// The first two functions return one entry for each ball of the triangulation: the exposed area of
+// its sphere and the volume of ball ∩ power cell. Lengths are scaled as in the triangulation.
 #pragma once
 
 #include <vector>
@@ -28,7 +28,11 @@ std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triang
 std::vector<SphereMeasures> gauss_bonnet(const PowerTriangulation& triangulation,
                                          const DualComplex& complex);
 
-// Throws InvalidInput if a measure is not finite. Both functions above call it with their results.
+// The exposed areas of gauss_bonnet() alone, bit by bit, in a fraction of its time.
+std::vector<double> exposed_areas(const PowerTriangulation& triangulation,
+                                  const DualComplex& complex);
+
+// Throws InvalidInput if a measure is not finite. All functions above call it with their results.
 void require_finite(const std::vector<SphereMeasures>& measures);
 
 }  // namespace vdwmesh

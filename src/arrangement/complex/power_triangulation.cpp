@@ -13,6 +13,7 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -108,22 +109,28 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
 
 // Puts the cells in the order of their vertices, sorted by the lowest one first, so that cells near
 // in space are near in memory, and the order is that of any other list of the same cells. A
-// counting sort by the lowest vertex, then small sorts. `vertices` counts the auxiliary points too.
+// counting sort by the lowest vertex on all cores, which leaves the cells of one vertex in any
+// order, then small sorts. `vertices` counts the auxiliary points too.
 void store_sorted(const RegularCells& cells, std::size_t vertices, PowerTriangulation& out) {
   const std::size_t count = cells.cells.size();
-  std::vector<std::uint32_t> first(vertices + 1, 0);
-  for (const CellVertices& cell : cells.cells) ++first[cell[0] + 1];
+  // While cells are placed, first[v + 1] is the next free place for vertex v. At the end it is the
+  // first place for vertex v + 1.
+  std::vector<std::uint32_t> first(vertices + 2, 0);
+  for_each_index(count, [&](std::size_t c) {
+    std::atomic_ref(first[cells.cells[c][0] + 2]).fetch_add(1, std::memory_order_relaxed);
+  });
   std::partial_sum(first.begin(), first.end(), first.begin());
   struct Entry {
     CellVertices vertices;
     std::uint32_t place;  // in `cells`
   };
-  std::vector<Entry> entries(count);
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (std::uint32_t c = 0; c < count; ++c) {
-    entries[next[cells.cells[c][0]]++] = {cells.cells[c], c};
-  }
-  std::vector<std::uint32_t> number(count);  // by place
+  Buffer<Entry> entries(count);
+  for_each_index(count, [&](std::size_t c) {
+    const CellVertices& cell = cells.cells[c];
+    const auto place = std::atomic_ref(first[cell[0] + 1]).fetch_add(1, std::memory_order_relaxed);
+    entries[place] = {cell, static_cast<std::uint32_t>(c)};
+  });
+  Buffer<std::uint32_t> number(count);  // by place
   out.cells.resize(count);
   out.neighbors.resize(count);
   for_each_index(vertices, [&](std::size_t v) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/buffer.hpp"
 #include "core/monitor.hpp"
 #include "spheres/sphere_set.hpp"
 
@@ -33,9 +34,9 @@ bool sort_is_odd(std::array<std::uint32_t, N>& vertices) {
 }
 
 struct RegularCells {
-  std::vector<CellVertices> cells;
+  Buffer<CellVertices> cells;
   // For each vertex of a cell the index of the cell opposite to it; kNoIndex: not in the list.
-  std::vector<std::array<std::uint32_t, 4>> neighbors;
+  Buffer<std::array<std::uint32_t, 4>> neighbors;
 };
 
 // Whether a cell belongs in the list.
