@@ -40,8 +40,6 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
 // Takes the jobs of the mesher, measures, and gives the host's results back.
 class MeasuringDevice final : public PatchDevice {
  public:
-  std::size_t least_jobs() const override { return 1; }
-
   void mesh(std::span<PatchJob> jobs, Monitor*) override {
     // Of the largest sets, as much as fits one batch.
     const std::size_t most = std::min<std::size_t>(jobs.size(), std::size_t{1} << 16);
@@ -51,6 +49,7 @@ class MeasuringDevice final : public PatchDevice {
     for (const PatchJob& job : some) triangles += job.mesh->triangles.size();
     mesh_on_device(some, host, triangles);
   }
+  void place(const PatchPlaces&, IndexedMesh&) override {}  // it keeps nothing
 
  private:
   static double mesh_on_host(std::span<PatchJob> jobs) {
@@ -131,7 +130,7 @@ class MeasuringDevice final : public PatchDevice {
 }  // namespace vdwmesh
 
 int main(int argc, char** argv) {
-  vdwmesh::ExactMeshOptions options;
+  vdwmesh::ExactMeshOptions options{.device_work = vdwmesh::DeviceWork::all};
   for (int i = 1; i < argc; ++i) {
     if (std::string_view(argv[i]) == "--edge-length" && i + 1 < argc) {
       options.edge_length = std::stod(argv[++i]);

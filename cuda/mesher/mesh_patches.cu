@@ -39,6 +39,32 @@ __global__ void gather(const PatchOutcome* outcomes, const GatherPlace* places, 
   copy_by_warp(from.first_split, from.splits, to.splits + places[i].split, lane);
 }
 
+// A warp for each patch. The operations are those of the host (UnionMesher::place_patch), so the
+// bits are.
+__global__ void place(const PlacedPatch* patches, std::uint32_t count, GatheredPatches from,
+                      const std::uint32_t* boundary_vertices, double unit, DeviceMeshView to) {
+  const std::uint64_t i = thread_index() / 32;
+  if (i >= count) return;
+  const unsigned lane = threadIdx.x % 32;
+  const PlacedPatch& p = patches[i];
+  for (std::uint32_t k = lane; k < p.interiors; k += 32) {
+    const Vec3d out = from.interior[p.interior + k];
+    const std::uint64_t v = p.vertex_to + k;
+    to.positions[v] = unit * (p.sphere.center + p.sphere.radius * out);
+    to.normals[v] = cast<float>(out);
+    to.vertex_spheres.set(v, on_sphere(p.id));
+  }
+  for (std::uint32_t t = lane; t < p.triangles; t += 32) {
+    const std::array<std::uint32_t, 3> corners = from.triangles[p.triangle + t];
+    for (unsigned k = 0; k < 3; ++k) {
+      const std::uint32_t v = corners[k];
+      to.corners[3 * (p.triangle_to + t) + k] =
+          v < p.points ? boundary_vertices[p.boundary + v] : p.first_vertex + (v - p.points);
+    }
+    to.triangle_spheres[p.triangle_to + t] = p.id;
+  }
+}
+
 }  // namespace
 
 void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,
@@ -52,6 +78,13 @@ void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std
                     const GatheredPatches& to, const Stream& stream) {
   launch("gather_patches", gather, over(32 * std::uint64_t{count}, 128), stream, outcomes, places,
          count, to);
+}
+
+void place_patches(const PlacedPatch* patches, std::uint32_t count, const GatheredPatches& from,
+                   const std::uint32_t* boundary_vertices, double unit, const DeviceMeshView& part,
+                   const Stream& stream) {
+  launch("place_patches", place, over(32 * std::uint64_t{count}, 128), stream, patches, count, from,
+         boundary_vertices, unit, part);
 }
 
 }  // namespace vdwmesh::mesher

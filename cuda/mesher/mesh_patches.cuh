@@ -1,4 +1,5 @@
-// Kernels that mesh patches (arrangement/mesher/bounded_patch.hpp) and gather what came out.
+// Kernels that mesh patches (arrangement/mesher/bounded_patch.hpp), gather what came out, and write
+// it into a mesh.
 #pragma once
 
 #include <array>
@@ -6,7 +7,7 @@
 #include <cstdint>
 
 #include "arrangement/mesher/bounded_patch.hpp"
-#include "cuda/memory/device_memory.cuh"
+#include "cuda/memory/device_structures.cuh"
 
 namespace vdwmesh::mesher {
 
@@ -36,5 +37,23 @@ struct GatheredPatches {
 // Copies the results of patches without a failure out of the work memory.
 void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
                     const GatheredPatches& to, const Stream& stream);
+
+// A patch and its place in a part of a mesh. Indices count in the arrays of GatheredPatches, in
+// those of the part, and in the array of all boundary vertices.
+struct PlacedPatch {
+  Sphere sphere;
+  std::uint64_t interior, triangle;            // in GatheredPatches
+  std::uint64_t vertex_to, triangle_to;        // in the part
+  std::uint64_t boundary;                      // its first boundary vertex
+  std::uint32_t first_vertex;                  // of its interior points, in the whole mesh
+  std::uint32_t points, interiors, triangles;  // numbers: on the boundary, inside, of triangles
+  SphereId id;
+};
+
+// Writes patches into part of a mesh: interior points with normals and labels, and triangles, whose
+// corners become vertices of the whole mesh. `unit` is that of PatchPlaces.
+void place_patches(const PlacedPatch* patches, std::uint32_t count, const GatheredPatches& from,
+                   const std::uint32_t* boundary_vertices, double unit, const DeviceMeshView& part,
+                   const Stream& stream);
 
 }  // namespace vdwmesh::mesher

@@ -10,6 +10,7 @@
 #include "arrangement/exact_mesher.hpp"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -51,11 +52,20 @@ constexpr FeatureSizes kUsual{};
 constexpr FeatureSizes kFiner{1e-11, 1e-7};
 constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-5, 1e-4}}};
 
+// Into how many blocks the triangulation is divided: as many as there are cores, of some hundred
+// balls at least. Small blocks cost more work in all than one for a small set, but less time.
+std::size_t blocks_of(std::size_t balls) {
+  constexpr std::size_t kLeastBalls = 500;
+  const auto cores =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::clamp<std::size_t>(balls / kLeastBalls, 1, cores);
+}
+
 // Everything that the mesher needs and that does not depend on feature sizes.
 Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
-  Arrangement a{triangulate(spheres, monitor), {}, {}};
+  Arrangement a{triangulate(spheres, monitor, blocks_of(spheres.size())), {}, {}};
   a.complex = dual_complex(a.triangulation, monitor);
-  a.measures = gauss_bonnet(a.triangulation, a.complex);
+  a.areas = exposed_areas(a.triangulation, a.complex);
   return a;
 }
 
@@ -74,7 +84,8 @@ SurfaceTopology surface_topology(const IndexedMesh& mesh) {
 // The exact topology of the boundary, on which each point of contact counts twice, because the mesh
 // has a vertex on either ball there. Two balls that only touch are separate components here.
 SurfaceTopology surface_topology(const Arrangement& a) {
-  const UnionTopology topology = union_topology(a.triangulation, a.complex, a.measures);
+  const UnionTopology topology =
+      union_topology(a.triangulation, a.complex, gauss_bonnet(a.triangulation, a.complex));
   DisjointSets components(a.complex.in_complex.size());
   for (const DualEdge& e : a.complex.edges) {
     const bool contact = e.singular && e.contact == Contact::touching;
@@ -136,13 +147,9 @@ class FeatureSizeSearch {
   // Returns whether these sizes gave a mesh with the topology of the union.
   bool try_sizes(const FeatureSizes& sizes) {
     BoundaryArcs boundary;
-    BoundaryFeatures features;
-    team_.together([&] {
-      boundary = boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
-      features = features_of(boundary);
-    });
+    team_.together([&] { boundary = place(sizes); });
     // The mesher refused the same curves in the last attempt, and would refuse them again.
-    if (features == refused_) return false;
+    if (is_refused(boundary)) return false;
     try {
       ExactMeshStats stats = mesh_boundary(arrangement_, std::move(boundary),
                                            options_with_memory_left(), device_, team_);
@@ -155,12 +162,21 @@ class FeatureSizeSearch {
       return right;
     } catch (const CurvesTooClose& error) {
       if (refusal_.empty()) refusal_ = error.what();
-      refused_ = std::move(features);
+      // Placed once more, since the mesher took them.
+      team_.together([&] { refused_ = features_of(place(sizes)); });
       return false;
     } catch (const LimitExceeded&) {
       if (!best_) throw;
       return false;  // the result is the mesh made before, whose stats say how it differs
     }
+  }
+
+  BoundaryArcs place(const FeatureSizes& sizes) const {
+    return boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
+  }
+
+  bool is_refused(const BoundaryArcs& boundary) const {
+    return refused_ && features_of(boundary) == *refused_;
   }
 
   // The options, with the memory limit reduced by the bytes of the mesh that is kept so far.

@@ -28,6 +28,10 @@
 
 namespace vdwmesh {
 
+// Which patches a CUDA device gets, if there is one. `balanced`: as many as it meshes while the
+// host's cores mesh the others; of few patches none. `all`: all of them.
+enum class DeviceWork : std::uint8_t { balanced, all };
+
 struct ExactMeshOptions {
   double edge_length = 0.35;  // Å; edges are shorter at narrow features
   // Å, by sphere, in place of edge_length if not empty. Along the arc between two spheres the
@@ -35,6 +39,7 @@ struct ExactMeshOptions {
   // equal spheres the first one counts.
   std::span<const double> edge_lengths = {};
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
+  DeviceWork device_work = DeviceWork::balanced;
   Monitor* monitor = nullptr;
 };
 
@@ -56,7 +61,8 @@ struct ExactMeshStats {
   // Tests of the triangulations that double precision did not decide, so exact arithmetic did.
   std::uint64_t exact_tests = 0;
   // Patches that a CUDA device meshed, and those that it left to the host because double precision
-  // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU.
+  // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU. How
+  // many a device gets depends on the number of the host's cores (DeviceWork).
   std::uint64_t device_patches = 0, left_patches = 0;
   // Wall time. The first is the part before meshing: triangulation, dual complex and areas.
   double arrangement_seconds = 0, seconds = 0;

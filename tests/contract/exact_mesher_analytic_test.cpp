@@ -9,6 +9,9 @@
 namespace vdwmesh::testing {
 namespace {
 
+class ExactMesherAnalytic : public ExactMesherContract {};
+VDWMESH_INSTANTIATE_BACKENDS(ExactMesherAnalytic);
+
 struct Errors {
   double area, volume;  // relative; positive where the mesh has less
 };
@@ -56,13 +59,13 @@ reference::Measures exact_three() {
   return reference::three_balls({balls[0], balls[1], balls[2]});
 }
 
-TEST(ExactMesherAnalytic, OneSphere) {
+TEST_P(ExactMesherAnalytic, OneSphere) {
   const SphereSet spheres = one_sphere(1.7);
   expect_union_meshes(spheres, 0.35, 2);
   expect_order_two(spheres, 0.35, reference::ball(1.7));
 }
 
-TEST(ExactMesherAnalytic, TwoSpheres) {
+TEST_P(ExactMesherAnalytic, TwoSpheres) {
   for (const double distance : {0.4, 1.2, 2.0, 3.0}) {
     SCOPED_TRACE(distance);
     const SphereSet spheres = two_spheres(1.7, 1.5, distance);
@@ -71,7 +74,7 @@ TEST(ExactMesherAnalytic, TwoSpheres) {
   }
 }
 
-TEST(ExactMesherAnalytic, ThreeSpheresWithTwoCorners) {
+TEST_P(ExactMesherAnalytic, ThreeSpheresWithTwoCorners) {
   const IndexedMesh mesh = expect_union_meshes(three_balls(), 0.35, 2);
   EXPECT_EQ(std::count_if(mesh.vertex_spheres.others.begin(), mesh.vertex_spheres.others.end(),
                           [](const OtherSpheres& o) { return o[1] != kNoSphere; }),
@@ -84,19 +87,19 @@ TEST(ExactMesherAnalytic, ThreeSpheresWithTwoCorners) {
 }
 
 // Nothing is narrow there, so no piece of an arc has to be split.
-TEST(ExactMesherAnalytic, WideArcsStayAsTheyWereSampled) {
+TEST_P(ExactMesherAnalytic, WideArcsStayAsTheyWereSampled) {
   EXPECT_EQ(mesh_at(one_sphere(1.7), 0.3).stats.split, 0u);
   EXPECT_EQ(mesh_at(SphereSet({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}}), 0.3).stats.split, 0u);
 }
 
-TEST(ExactMesherAnalytic, SpheresApart) {
+TEST_P(ExactMesherAnalytic, SpheresApart) {
   const SphereSet spheres = two_spheres(1.7, 1.5, 4.0);
   const IndexedMesh mesh = expect_union_meshes(spheres, 0.4, 1);
   EXPECT_EQ(topology(mesh).components, 2u);
   expect_order_two(spheres, 0.4, reference::two_balls(1.7, 1.5, 4.0));
 }
 
-TEST(ExactMesherAnalytic, RingOfBalls) {
+TEST_P(ExactMesherAnalytic, RingOfBalls) {
   for (const int n : {5, 6, 12, 31}) {
     SCOPED_TRACE(n);
     // Neighbours overlap by a quarter of the radius, and no others meet.
@@ -127,7 +130,7 @@ reference::Measures exact_octahedron(double cage_radius, double ball_radius) {
 }
 
 // Six balls that close a void between them: 12 pairs meet, and the 8 triples cover the faces.
-TEST(ExactMesherAnalytic, OctahedronWithAVoid) {
+TEST_P(ExactMesherAnalytic, OctahedronWithAVoid) {
   const SphereSet spheres = cage(octahedron_corners(), 2.0, 1.8);
   const IndexedMesh mesh = expect_union_meshes(spheres, 0.35, 2);
   EXPECT_EQ(topology(mesh).euler_characteristic, 4);
@@ -136,19 +139,19 @@ TEST(ExactMesherAnalytic, OctahedronWithAVoid) {
 }
 
 // Pairs meet and triples do not: 8 windows in the wall of one room.
-TEST(ExactMesherAnalytic, OctahedronWithWindows) {
+TEST_P(ExactMesherAnalytic, OctahedronWithWindows) {
   const SphereSet spheres = cage(octahedron_corners(), 2.0, 1.5);
   const IndexedMesh mesh = expect_union_meshes(spheres, 0.35, 2);
   EXPECT_EQ(topology(mesh).euler_characteristic, 2 - 2 * 7);
 }
 
-TEST(ExactMesherAnalytic, IcosahedronWithAVoid) {
+TEST_P(ExactMesherAnalytic, IcosahedronWithAVoid) {
   const SphereSet spheres = cage(icosahedron_corners(), 3.0, 1.9);
   const IndexedMesh mesh = expect_union_meshes(spheres, 0.35, 1);
   EXPECT_EQ(topology(mesh).euler_characteristic, 4);
 }
 
-TEST(ExactMesherAnalytic, IcosahedronWithWindows) {
+TEST_P(ExactMesherAnalytic, IcosahedronWithWindows) {
   // Edges of the body are 2 / sqrt(phi sqrt(5)) = 1.0515 of its radius: pairs meet beyond 1.577 Å
   // and triples beyond 1.822 Å.
   const SphereSet spheres = cage(icosahedron_corners(), 3.0, 1.7);
@@ -156,14 +159,14 @@ TEST(ExactMesherAnalytic, IcosahedronWithWindows) {
   EXPECT_EQ(topology(mesh).euler_characteristic, 2 - 2 * 19);
 }
 
-TEST(ExactMesherAnalytic, ShellOfManyBalls) {
+TEST_P(ExactMesherAnalytic, ShellOfManyBalls) {
   const IndexedMesh mesh = expect_union_meshes(hollow_shell(200, 6, 1.2), 0.4, 1);
   EXPECT_EQ(topology(mesh).voids, 1u);
 }
 
 // Two spheres and edges of h: the error is c h², c depending on the shape of the triangles, which
 // is much the same at all h. Between h and h/2 that is a ratio of 4.
-TEST(ExactMesherAnalytic, AreaErrorFallsWithTheSquareOfTheEdgeLength) {
+TEST_P(ExactMesherAnalytic, AreaErrorFallsWithTheSquareOfTheEdgeLength) {
   constexpr double kShapes = 0.8;  // the part of the ratio that is left to the triangles' shapes
   for (const SphereSet& spheres : {two_spheres(1.7, 1.5, 2.0), three_balls(), cluster(40, 3)}) {
     const reference::Measures exact = measures_of(exact_union(spheres));
@@ -181,7 +184,7 @@ TEST(ExactMesherAnalytic, AreaErrorFallsWithTheSquareOfTheEdgeLength) {
 }
 
 // As many balls as a small protein, as close together.
-TEST(ExactMesherAnalytic, ConvergesOnACluster) {
+TEST_P(ExactMesherAnalytic, ConvergesOnACluster) {
   const SphereSet spheres = cluster(150, 8);
   expect_order_two(spheres, 0.5, measures_of(exact_union(spheres)));
 }

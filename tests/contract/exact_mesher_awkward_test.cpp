@@ -15,6 +15,9 @@
 namespace vdwmesh::testing {
 namespace {
 
+class ExactMesherAwkward : public ExactMesherContract {};
+VDWMESH_INSTANTIATE_BACKENDS(ExactMesherAwkward);
+
 using ::testing::HasSubstr;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -36,15 +39,15 @@ void expect_set(std::vector<Sphere> spheres, double edge_length = 0.5, const Dem
   expect_union_meshes(SphereSet(std::move(spheres)), edge_length, levels, demands);
 }
 
-TEST(ExactMesherAwkward, NoSpheres) { EXPECT_THROW(mesh_at(SphereSet(), 0.5), InvalidInput); }
+TEST_P(ExactMesherAwkward, NoSpheres) { EXPECT_THROW(mesh_at(SphereSet(), 0.5), InvalidInput); }
 
-TEST(ExactMesherAwkward, EdgeLengthsThatAreNone) {
+TEST_P(ExactMesherAwkward, EdgeLengthsThatAreNone) {
   for (const double h : {0.0, -0.0, -0.35, std::nan(""), kInfinity, -kInfinity}) {
     EXPECT_THROW(mesh_at(one_sphere(1), h), InvalidInput) << h;
   }
 }
 
-TEST(ExactMesherAwkward, EdgeLengthsFromTinyToHuge) {
+TEST_P(ExactMesherAwkward, EdgeLengthsFromTinyToHuge) {
   for (const double h : {0.02, 0.1, 1.0, 3.0, 10.0, 1e3, 1e300}) {
     SCOPED_TRACE(h);
     expect_set({{{0, 0, 0}, 1}}, h);
@@ -57,19 +60,19 @@ TEST(ExactMesherAwkward, EdgeLengthsFromTinyToHuge) {
   }
 }
 
-TEST(ExactMesherAwkward, TooFineIsRefusedBeforeMemoryIsTaken) {
+TEST_P(ExactMesherAwkward, TooFineIsRefusedBeforeMemoryIsTaken) {
   EXPECT_THROW(mesh_at(one_sphere(1), 1e-6), LimitExceeded);
   EXPECT_THROW(mesh_at(one_sphere(1), 1e-300), LimitExceeded);
   ExactMeshOptions options;
   options.memory_limit = 1000;
-  EXPECT_THROW(mesh_union(one_sphere(1), options), LimitExceeded);
+  EXPECT_THROW(mesh_with(one_sphere(1), options), LimitExceeded);
   // Patches are there beside the mesh they become: 12 bytes a triangle and 24 a vertex more.
   options.edge_length = 0.05;
   options.memory_limit = kNoMemoryLimit;
-  const IndexedMesh mesh = mesh_union(one_sphere(1), options).mesh;
+  const IndexedMesh mesh = mesh_with(one_sphere(1), options).mesh;
   options.memory_limit =
       indexed_mesh_bytes(mesh) + 12 * mesh.triangle_count() + 24 * mesh.vertex_count();
-  EXPECT_THROW(mesh_union(one_sphere(1), options), LimitExceeded);
+  EXPECT_THROW(mesh_with(one_sphere(1), options), LimitExceeded);
 }
 
 class StopAtOnce : public Monitor {
@@ -79,24 +82,24 @@ class StopAtOnce : public Monitor {
   bool cancelled() const override { return true; }
 };
 
-TEST(ExactMesherAwkward, StopsWhenAsked) {
+TEST_P(ExactMesherAwkward, StopsWhenAsked) {
   StopAtOnce monitor;
   ExactMeshOptions options;
   options.monitor = &monitor;
-  EXPECT_THROW(mesh_union(cluster(100, 1), options), Cancelled);
+  EXPECT_THROW(mesh_with(cluster(100, 1), options), Cancelled);
 }
 
-TEST(ExactMesherAwkward, Coincident) {
+TEST_P(ExactMesherAwkward, Coincident) {
   expect_set({{{1, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}});
   expect_set({{{1, 2, 3}, 1.5}, {{2, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}, {{2, 2, 3}, 1.5}});
 }
 
-TEST(ExactMesherAwkward, NestedAndConcentric) {
+TEST_P(ExactMesherAwkward, NestedAndConcentric) {
   expect_set({{{0, 0, 0}, 1}, {{0, 0, 0}, 2}});
   expect_set({{{0.2, 0.1, 0}, 1}, {{0, 0, 0}, 2}, {{3, 0, 0}, 1.5}});
 }
 
-TEST(ExactMesherAwkward, TangentOutside) {
+TEST_P(ExactMesherAwkward, TangentOutside) {
   expect_set({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}});
   expect_set({{{0, 0, 0}, 1}, {{3, 0, 0}, 2}, {{3, 2.5, 0}, 0.5}});
   std::vector<Sphere> chain;
@@ -104,7 +107,7 @@ TEST(ExactMesherAwkward, TangentOutside) {
   expect_set(chain);
 }
 
-TEST(ExactMesherAwkward, TangentInside) {
+TEST_P(ExactMesherAwkward, TangentInside) {
   expect_set({{{0, 0, 0}, 2}, {{1, 0, 0}, 1}});
   expect_set({{{0, 0, 0}, 2}, {{1, 0, 0}, 1}, {{-1, 0, 0}, 1}, {{0, 1.5, 0}, 0.5}});
   expect_set({{{0, 0, 0}, 2}, {{1, 0, 0}, 1}, {{2, 0, 0}, 1}});
@@ -112,7 +115,7 @@ TEST(ExactMesherAwkward, TangentInside) {
 
 // Two balls touch, and a third stands on their contact: what is left of it is a band that is
 // narrower than the chords of its two circles bulge.
-TEST(ExactMesherAwkward, ATinyBallOnAContact) {
+TEST_P(ExactMesherAwkward, ATinyBallOnAContact) {
   for (const int exponent : {-6, -10, -12, -14, -18}) {
     SCOPED_TRACE(exponent);
     expect_set({{{0, 0, 0}, 1.5}, {{2.1, 2.8, 0}, 2}, {{0.9, 1.2, 0}, std::ldexp(1.0, exponent)}});
@@ -130,7 +133,7 @@ std::string refusal(const SphereSet& spheres, double edge_length) {
 
 // A ball that all but touches two others, which are one but for 7e-11 Å; with long edges there are
 // no lattice points on any of them.
-TEST(ExactMesherAwkward, ATwinOnAContact) {
+TEST_P(ExactMesherAwkward, ATwinOnAContact) {
   const double x = -3.9901123046875, z = -3.125732421875;
   for (const double edge_length : {0.5, 1.6, 10.0}) {
     SCOPED_TRACE(edge_length);
@@ -143,7 +146,7 @@ TEST(ExactMesherAwkward, ATwinOnAContact) {
 
 // Where a ball reaches as far as another's contact, the middle of two points on one circle lies in
 // the other ball, at the pole of the projection or beyond it.
-TEST(ExactMesherAwkward, ALargePatchWithLongEdges) {
+TEST_P(ExactMesherAwkward, ALargePatchWithLongEdges) {
   for (const double edge_length : {0.5, 1.0, 3.0, 100.0}) {
     SCOPED_TRACE(edge_length);
     expect_set({{{0, 0, 0}, 0.5}, {{0, -0.5, 0}, 0.5}, {{0, 1.5, 0}, 1}}, edge_length);
@@ -153,7 +156,7 @@ TEST(ExactMesherAwkward, ALargePatchWithLongEdges) {
 
 // Beside a cap of 2e-10 rad one of 2e-8, which counts as a contact and has no arc: a patch goes
 // across it. Turned about, the set has other roundings.
-TEST(ExactMesherAwkward, ATinyCapBesideAContact) {
+TEST_P(ExactMesherAwkward, ATinyCapBesideAContact) {
   const double small = std::ldexp(1.0, -13);
   for (const std::array<int, 3>& axes : std::vector<std::array<int, 3>>{
            {0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
@@ -175,7 +178,7 @@ TEST(ExactMesherAwkward, ATinyCapBesideAContact) {
 }
 
 // A ball and its twin a hair beside it: no double lies between their circles.
-TEST(ExactMesherAwkward, CurvesThatAllButCoincideAreMadeOne) {
+TEST_P(ExactMesherAwkward, CurvesThatAllButCoincideAreMadeOne) {
   Demands demands = collapsed(Topology::parted);
   demands.distance = 1e-6;  // Å: features of 1e-7 of the radius had to go
   expect_set({{{3.9991455078125, -2.913818359375, -4}, 0.1075185546875},
@@ -186,7 +189,7 @@ TEST(ExactMesherAwkward, CurvesThatAllButCoincideAreMadeOne) {
 }
 
 // Four spheres through one circle, shaken by 1e-14: strips of no width between crossing curves.
-TEST(ExactMesherAwkward, CurvesThatCrossInStripsAreRefused) {
+TEST_P(ExactMesherAwkward, CurvesThatCrossInStripsAreRefused) {
   EXPECT_THAT(
       refusal(SphereSet({{{-7.3127151177519763e-15, 6.9486747387446534e-15, -0.99999999999999467},
                           1.4142135623730951},
@@ -201,14 +204,14 @@ TEST(ExactMesherAwkward, CurvesThatCrossInStripsAreRefused) {
 }
 
 // Three balls, two by two tangent: three contacts, and a ring parted into three.
-TEST(ExactMesherAwkward, RingOfContacts) {
+TEST_P(ExactMesherAwkward, RingOfContacts) {
   const double h = std::sqrt(3.0);
   expect_set({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{1, h, 0}, 1}}, 0.5, collapsed(Topology::parted));
   expect_set({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{2, 2, 0}, 1}, {{0, 2, 0}, 1}});
 }
 
 // Circles of 1e-7 … 1e-2 Å between balls that all but touch.
-TEST(ExactMesherAwkward, NearlyTangent) {
+TEST_P(ExactMesherAwkward, NearlyTangent) {
   for (const double overlap : {1e-15, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4}) {
     SCOPED_TRACE(overlap);
     const Demands demands = overlap < 1e-11 ? collapsed(Topology::parted) : Demands{};
@@ -218,7 +221,7 @@ TEST(ExactMesherAwkward, NearlyTangent) {
 }
 
 // A third ball reaches into the crease of two by little, or just not.
-TEST(ExactMesherAwkward, ABallThatAllButTouchesACircle) {
+TEST_P(ExactMesherAwkward, ABallThatAllButTouchesACircle) {
   // Balls of 5 at (±4, 0, 0) have the circle x = 0 of radius 3.
   for (const double reach : {-1e-3, -1e-6, -1e-9, -1e-12, 0.0, 1e-12, 1e-9, 1e-6, 1e-3}) {
     SCOPED_TRACE(reach);
@@ -231,7 +234,7 @@ TEST(ExactMesherAwkward, ABallThatAllButTouchesACircle) {
 }
 
 // Spheres that share one circle: the middle one is exposed nowhere else.
-TEST(ExactMesherAwkward, SpheresThroughOneCircle) {
+TEST_P(ExactMesherAwkward, SpheresThroughOneCircle) {
   expect_set({{{-4, 0, 0}, 5}, {{4, 0, 0}, 5}, {{0, 0, 0}, 3}}, 1, collapsed());
   expect_set({{{-4, 0, 0}, 5}, {{0, 0, 0}, 3}, {{0, 0, 0}, 3}, {{4, 0, 0}, 5}}, 1, collapsed());
   for (const double off : {1e-14, 1e-12, 1e-9, 0.1}) {
@@ -242,7 +245,7 @@ TEST(ExactMesherAwkward, SpheresThroughOneCircle) {
 }
 
 // (±a, ±b, 0) of 1, 2 and radius 3: four or eight spheres through (0, 0, ±2).
-TEST(ExactMesherAwkward, ManySpheresThroughOnePoint) {
+TEST_P(ExactMesherAwkward, ManySpheresThroughOnePoint) {
   std::vector<Sphere> four, eight;
   for (const double s : {-1.0, 1.0}) {
     for (const double t : {-1.0, 1.0}) {
@@ -256,7 +259,7 @@ TEST(ExactMesherAwkward, ManySpheresThroughOnePoint) {
 }
 
 // Corners of a cube, radius where 2 (tangent), 4 (a face's middle) and 8 (the cube's) meet.
-TEST(ExactMesherAwkward, CubesWhoseSpheresMeetInPoints) {
+TEST_P(ExactMesherAwkward, CubesWhoseSpheresMeetInPoints) {
   for (const double radius : {1.0, std::sqrt(2.0), std::sqrt(3.0)}) {
     for (const double off : {-1e-3, -1e-9, -1e-12, 0.0, 1e-12, 1e-9, 1e-3}) {
       SCOPED_TRACE(std::to_string(radius) + " + " + std::to_string(off));
@@ -267,7 +270,7 @@ TEST(ExactMesherAwkward, CubesWhoseSpheresMeetInPoints) {
   }
 }
 
-TEST(ExactMesherAwkward, Lattices) {
+TEST_P(ExactMesherAwkward, Lattices) {
   expect_set(cubic_lattice(3, 2, 1.25), 0.6, collapsed());
   expect_set(cubic_lattice(3, 2, 1.5), 0.6, collapsed());
   expect_set(cubic_lattice(3, 1, 1.0), 0.4, collapsed());
@@ -296,7 +299,7 @@ std::vector<Sphere> two_lids(double gap) {
   return {{{0, 0, 0}, 2}, {kHeight * left, r}, {kHeight * right, r}};
 }
 
-TEST(ExactMesherAwkward, CirclesOfOneBallThatAllButTouch) {
+TEST_P(ExactMesherAwkward, CirclesOfOneBallThatAllButTouch) {
   for (const double gap : {-1e-4, -1e-9, -1e-14, 0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-9, 1e-4}) {
     SCOPED_TRACE(gap);
     const bool clear = std::abs(gap) >= 1e-4;
@@ -306,7 +309,7 @@ TEST(ExactMesherAwkward, CirclesOfOneBallThatAllButTouch) {
 
 // Balls that overlap by 1e-12 have circles of 1e-6, which are made points up to kNoCircle. Circles
 // of one ball touch at a radius of √2.
-TEST(ExactMesherAwkward, JitteredLattices) {
+TEST_P(ExactMesherAwkward, JitteredLattices) {
   std::mt19937_64 random(5);
   Demands demands = collapsed(Topology::parted);
   demands.distance = 4e-6;  // Å
@@ -318,7 +321,7 @@ TEST(ExactMesherAwkward, JitteredLattices) {
   }
 }
 
-TEST(ExactMesherAwkward, Cages) {
+TEST_P(ExactMesherAwkward, Cages) {
   expect_set(buckminsterfullerene(1.4, 1.7), 0.5, collapsed());
   expect_set(buckminsterfullerene(1.4, 0.8), 0.4, collapsed());
   std::mt19937_64 random(6);
@@ -326,7 +329,7 @@ TEST(ExactMesherAwkward, Cages) {
 }
 
 // Balls centred on a sphere through one point, all of the same radius: all pass through it.
-TEST(ExactMesherAwkward, Cospherical) {
+TEST_P(ExactMesherAwkward, Cospherical) {
   std::vector<Sphere> balls;
   for (const Vec3d& d : octahedron_corners()) balls.push_back({2.0 * d, 2});
   expect_set(balls, 0.6, collapsed(Topology::parted));
@@ -334,7 +337,7 @@ TEST(ExactMesherAwkward, Cospherical) {
   expect_set(balls, 0.6, collapsed());
 }
 
-TEST(ExactMesherAwkward, SmallSetsOnAGridOfIntegers) {
+TEST_P(ExactMesherAwkward, SmallSetsOnAGridOfIntegers) {
   std::mt19937_64 random(11);
   for (int i = 0; i < 250; ++i) {
     SCOPED_TRACE(i);
@@ -343,7 +346,7 @@ TEST(ExactMesherAwkward, SmallSetsOnAGridOfIntegers) {
   }
 }
 
-TEST(ExactMesherAwkward, RadiiFarApart) {
+TEST_P(ExactMesherAwkward, RadiiFarApart) {
   for (const double ratio : {1e-3, 1e3}) {
     SCOPED_TRACE(ratio);
     expect_set({{{0, 0, 0}, 1}, {{1, 0, 0}, ratio}}, 0.2 * std::max(1.0, ratio));
@@ -357,7 +360,7 @@ TEST(ExactMesherAwkward, RadiiFarApart) {
   }
 }
 
-TEST(ExactMesherAwkward, FarFromTheOrigin) {
+TEST_P(ExactMesherAwkward, FarFromTheOrigin) {
   expect_union_meshes(translated(cluster(40, 9), {1e4, -1e4, 1e4}), 0.5, 2);
   // At 1e6 Å a coordinate is rounded to 1e-10 Å.
   Demands demands;
@@ -365,14 +368,14 @@ TEST(ExactMesherAwkward, FarFromTheOrigin) {
   expect_union_meshes(translated(cluster(40, 9), {1e6, -1e6, 1e6}), 0.5, 1, demands);
 }
 
-TEST(ExactMesherAwkward, ManyBallsAlongALine) {
+TEST_P(ExactMesherAwkward, ManyBallsAlongALine) {
   std::vector<Sphere> line;
   for (int i = 0; i < 60; ++i) line.push_back({{0.3 * i, 0, 0}, 1.5});
   expect_set(line, 0.5);
 }
 
 // A ball almost covered by many: patches like needles, and slits between them.
-TEST(ExactMesherAwkward, SliversBetweenManyCircles) {
+TEST_P(ExactMesherAwkward, SliversBetweenManyCircles) {
   for (const double radius : {1.04, 1.06, 1.08, 1.1}) {
     SCOPED_TRACE(radius);
     std::vector<Sphere> balls = {{{0, 0, 0}, radius}};

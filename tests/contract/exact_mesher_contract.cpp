@@ -2,11 +2,15 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <utility>
 
 namespace vdwmesh::testing {
 namespace {
+
+// The mesher of the running test; null without a backend.
+std::unique_ptr<ExactMesher> current_mesher;
 
 // The surface that the mesh stands for is that of the union, to rounding; where features were made
 // points, a strip as wide as a vertex may be off, along arcs of ten radii, is forgiven.
@@ -65,10 +69,24 @@ void expect_mean_normals(const SphereSet& spheres, const IndexedMesh& mesh) {
 
 }  // namespace
 
+void ExactMesherContract::SetUp() {
+  need(GetParam());
+  if (!IsSkipped()) current_mesher = make_exact_mesher(GetParam());
+}
+void ExactMesherContract::TearDown() { current_mesher.reset(); }
+
+ExactMesh mesh_with(const SphereSet& spheres, ExactMeshOptions options) {
+  if (!current_mesher) return mesh_union(spheres, options);
+  options.device_work = DeviceWork::all;
+  ExactMesh made = current_mesher->mesh(spheres, options);
+  EXPECT_EQ(made.fallback, "");
+  return made;
+}
+
 ExactMesh mesh_at(const SphereSet& spheres, double edge_length) {
   ExactMeshOptions options;
   options.edge_length = edge_length;
-  return mesh_union(spheres, options);
+  return mesh_with(spheres, options);
 }
 
 IndexedMesh subdivided(const SphereSet& spheres, const IndexedMesh& mesh, int levels,

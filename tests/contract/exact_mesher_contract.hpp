@@ -32,6 +32,15 @@ struct Demands {
   std::int64_t euler_difference = 0, shell_difference = 0;
 };
 
+// Runs on one backend, that of the parameter. A device gets all patches, however few they are.
+class ExactMesherContract : public BackendTest, public ::testing::WithParamInterface<Backend> {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+};
+
+// Meshes on the backend of the running test; of a test without a backend on the CPU.
+ExactMesh mesh_with(const SphereSet& spheres, ExactMeshOptions options);
 ExactMesh mesh_at(const SphereSet& spheres, double edge_length);
 IndexedMesh subdivided(const SphereSet& spheres, const IndexedMesh& mesh, int levels,
                        const Demands& demands = {});
@@ -40,7 +49,7 @@ IndexedMesh subdivided(const SphereSet& spheres, const IndexedMesh& mesh, int le
 void expect_union_mesh(const SphereSet& spheres, const IndexedMesh& mesh, const ExactUnion& exact,
                        const Demands& demands);
 
-// The same of mesh_union() and of its subdivisions. Returns the mesh before them.
+// The same of mesh_at() and of its subdivisions. Returns the mesh before them.
 IndexedMesh expect_union_meshes(const SphereSet& spheres, double edge_length, int levels,
                                 const Demands& demands = {});
 

@@ -14,11 +14,14 @@
 namespace vdwmesh::testing {
 namespace {
 
+class ExactMesherGraded : public ExactMesherContract {};
+VDWMESH_INSTANTIATE_BACKENDS(ExactMesherGraded);
+
 ExactMesh graded_mesh(const SphereSet& spheres, const std::vector<double>& lengths) {
   ExactMeshOptions options;
   options.edge_length = std::numeric_limits<double>::quiet_NaN();  // has no effect beside lengths
   options.edge_lengths = lengths;
-  return mesh_union(spheres, options);
+  return mesh_with(spheres, options);
 }
 
 SphereSet cluster_of(Dice& dice, int count) {
@@ -31,7 +34,7 @@ SphereSet cluster_of(Dice& dice, int count) {
   return SphereSet(spheres);
 }
 
-TEST(ExactMesherGraded, EqualLengthsAreOneLength) {
+TEST_P(ExactMesherGraded, EqualLengthsAreOneLength) {
   Dice dice(1);
   for (const SphereSet& spheres : {cluster_of(dice, 40), SphereSet({{{0, 0, 0}, 1}}),
                                    SphereSet({{{0, 0, 0}, 1}, {{0, 0, 0}, 1}, {{1, 0, 0}, 0.5}})}) {
@@ -42,7 +45,7 @@ TEST(ExactMesherGraded, EqualLengthsAreOneLength) {
 
 // Two unit balls at distance 1 meet in a circle of radius √3/2. The shorter of two lengths divides
 // it, whichever ball has it.
-TEST(ExactMesherGraded, TheShorterLengthDividesTheArc) {
+TEST_P(ExactMesherGraded, TheShorterLengthDividesTheArc) {
   const SphereSet spheres({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}});
   const double circle = std::sqrt(3.0) * std::numbers::pi;
   for (const double fine : {0.05, 0.1, 0.2}) {
@@ -54,7 +57,7 @@ TEST(ExactMesherGraded, TheShorterLengthDividesTheArc) {
 
 // The triangles of an exposed ball far from the arc have its own length: their number is that of
 // equilateral triangles of its area, as with one length for all.
-TEST(ExactMesherGraded, EachBallHasTrianglesOfItsLength) {
+TEST_P(ExactMesherGraded, EachBallHasTrianglesOfItsLength) {
   const SphereSet apart({{{0, 0, 0}, 1}, {{5, 0, 0}, 1}, {{0, 5, 0}, 2}});
   const std::vector<double> lengths{0.1, 0.4, 0.2};
   const IndexedMesh mesh = graded_mesh(apart, lengths).mesh;
@@ -67,7 +70,7 @@ TEST(ExactMesherGraded, EachBallHasTrianglesOfItsLength) {
 
 // A ball of long edges beside one of short ones: the number of its triangles is far below that of
 // short edges everywhere.
-TEST(ExactMesherGraded, TrianglesGrowAwayFromAFineArc) {
+TEST_P(ExactMesherGraded, TrianglesGrowAwayFromAFineArc) {
   const SphereSet spheres({{{0, 0, 0}, 1}, {{2, 0, 0}, 2}});
   const IndexedMesh mesh = graded_mesh(spheres, {0.03, 0.8}).mesh;
   const auto of_large = std::ranges::count(mesh.triangle_spheres, SphereId{1});
@@ -77,7 +80,7 @@ TEST(ExactMesherGraded, TrianglesGrowAwayFromAFineArc) {
   expect_union_mesh(spheres, mesh, exact_union(spheres), {});
 }
 
-TEST(ExactMesherGraded, RandomSets) {
+TEST_P(ExactMesherGraded, RandomSets) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE(seed);
     Dice dice(9000 + seed);
@@ -98,7 +101,7 @@ TEST(ExactMesherGraded, RandomSets) {
 }
 
 // The lengths go with their spheres, whatever their order.
-TEST(ExactMesherGraded, PermutedSpheresAndLengths) {
+TEST_P(ExactMesherGraded, PermutedSpheresAndLengths) {
   Dice dice(5);
   const SphereSet spheres = cluster_of(dice, 30);
   std::vector<double> lengths;
@@ -112,7 +115,7 @@ TEST(ExactMesherGraded, PermutedSpheresAndLengths) {
   EXPECT_EQ(one.triangles, two.triangles);
 }
 
-TEST(ExactMesherGraded, LengthsThatAreNone) {
+TEST_P(ExactMesherGraded, LengthsThatAreNone) {
   const SphereSet spheres({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}});
   EXPECT_THROW(graded_mesh(spheres, {0.3}), InvalidInput);
   EXPECT_THROW(graded_mesh(spheres, {0.3, 0.3, 0.3}), InvalidInput);
@@ -123,12 +126,12 @@ TEST(ExactMesherGraded, LengthsThatAreNone) {
 }
 
 // The estimate counts each sphere with its own length.
-TEST(ExactMesherGraded, TooFineIsRefusedBeforeMemoryIsTaken) {
+TEST_P(ExactMesherGraded, TooFineIsRefusedBeforeMemoryIsTaken) {
   ExactMeshOptions options;
   const std::vector<double> lengths{0.3, 1e-5};
   options.edge_lengths = lengths;
   options.memory_limit = std::uint64_t{1} << 30;
-  EXPECT_THROW(mesh_union(SphereSet({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}}), options), LimitExceeded);
+  EXPECT_THROW(mesh_with(SphereSet({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}}), options), LimitExceeded);
 }
 
 }  // namespace

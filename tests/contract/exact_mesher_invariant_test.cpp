@@ -13,6 +13,9 @@
 namespace vdwmesh::testing {
 namespace {
 
+class ExactMesherInvariant : public ExactMesherContract {};
+VDWMESH_INSTANTIATE_BACKENDS(ExactMesherInvariant);
+
 SphereSet sample(const std::string& name, double probe = 0) {
   std::vector<Sphere> spheres;
   for (const Atom& atom : read_sample(name).atoms) {
@@ -27,7 +30,7 @@ SphereSet scaled(const SphereSet& spheres, double by) {
   return SphereSet(std::move(result));
 }
 
-TEST(ExactMesherInvariant, Samples) {
+TEST_P(ExactMesherInvariant, Samples) {
   for (const std::string name : {"bpti", "ubiquitin"}) {
     SCOPED_TRACE(name);
     expect_union_meshes(sample(name), 0.5, 1);
@@ -35,7 +38,7 @@ TEST(ExactMesherInvariant, Samples) {
   }
 }
 
-TEST(ExactMesherInvariant, TwoRunsAreTheSame) {
+TEST_P(ExactMesherInvariant, TwoRunsAreTheSame) {
   const SphereSet spheres = sample("bpti");
   EXPECT_EQ(hash(mesh_at(spheres, 0.5).mesh), hash(mesh_at(spheres, 0.5).mesh));
 }
@@ -55,7 +58,7 @@ SphereSet shaken_ring() {
 
 // Memory is taken and given back in other places before every call, so that nothing may be decided
 // by comparing addresses.
-TEST(ExactMesherInvariant, TheHeapDoesNotMatter) {
+TEST_P(ExactMesherInvariant, TheHeapDoesNotMatter) {
   std::mt19937 random(3);
   for (const SphereSet& spheres : {shaken_ring(), cluster(30, 5), seeded_set(13).spheres}) {
     const IndexedMeshHash expected = hash(mesh_at(spheres, 0.35).mesh);
@@ -69,7 +72,7 @@ TEST(ExactMesherInvariant, TheHeapDoesNotMatter) {
   }
 }
 
-TEST(ExactMesherInvariant, AnyNumberOfThreads) {
+TEST_P(ExactMesherInvariant, AnyNumberOfThreads) {
   const SphereSet spheres = sample("bpti");
   const IndexedMeshHash expected = hash(mesh_at(spheres, 0.5).mesh);
   for (const std::size_t threads : {1, 2, 3, 8}) {
@@ -78,7 +81,7 @@ TEST(ExactMesherInvariant, AnyNumberOfThreads) {
   }
 }
 
-TEST(ExactMesherInvariant, PermutationPermutesLabelsOnly) {
+TEST_P(ExactMesherInvariant, PermutationPermutesLabelsOnly) {
   for (const SphereSet& spheres :
        {sample("bpti"), cage(octahedron_corners(), 2.0, 1.8),
         SphereSet({{{0, 0, 0}, 1.5}, {{2, 0, 0}, 1.5}, {{0, 2, 0}, 1.5}, {{2, 2, 0}, 1.5}})}) {
@@ -103,7 +106,7 @@ TEST(ExactMesherInvariant, PermutationPermutesLabelsOnly) {
 }
 
 // The boundary is the same but for rounding, and rounding decides nothing: the same triangles.
-TEST(ExactMesherInvariant, TranslationKeepsAllTriangles) {
+TEST_P(ExactMesherInvariant, TranslationKeepsAllTriangles) {
   for (const SphereSet& here :
        {cluster(60, 4), sample("bpti"), cage(octahedron_corners(), 2, 1.8)}) {
     const IndexedMesh one = mesh_at(here, 0.4).mesh;
@@ -124,7 +127,7 @@ TEST(ExactMesherInvariant, TranslationKeepsAllTriangles) {
 }
 
 // A rotated molecule has the same arcs and corners, sampled alike.
-TEST(ExactMesherInvariant, RotationKeepsArcsAndCorners) {
+TEST_P(ExactMesherInvariant, RotationKeepsArcsAndCorners) {
   const SphereSet here = sample("bpti");
   const ExactMesh one = mesh_at(here, 0.4);
   const double c = std::cos(0.7), s = std::sin(0.7);
@@ -143,7 +146,7 @@ TEST(ExactMesherInvariant, RotationKeepsArcsAndCorners) {
 }
 
 // Thresholds are relative: another unit of length that is a power of two changes no bit.
-TEST(ExactMesherInvariant, PowersOfTwoScaleTheMeshExactly) {
+TEST_P(ExactMesherInvariant, PowersOfTwoScaleTheMeshExactly) {
   for (const SphereSet& spheres : {sample("bpti"), two_spheres(1.7, 1.5, 2.0), one_sphere(1)}) {
     const IndexedMesh mesh = mesh_at(spheres, 0.5).mesh;
     for (const int power : {-40, -3, 1, 60}) {
@@ -155,7 +158,7 @@ TEST(ExactMesherInvariant, PowersOfTwoScaleTheMeshExactly) {
   }
 }
 
-TEST(ExactMesherInvariant, StatisticsCountTheBoundary) {
+TEST_P(ExactMesherInvariant, StatisticsCountTheBoundary) {
   // Two balls that overlap: one circle and no corner.
   const ExactMeshStats two = mesh_at(two_spheres(1.7, 1.5, 2.0), 0.35).stats;
   EXPECT_EQ(two.arcs, 1u);

@@ -8,6 +8,9 @@
 namespace vdwmesh::testing {
 namespace {
 
+class ExactMesherRandom : public ExactMesherContract {};
+VDWMESH_INSTANTIATE_BACKENDS(ExactMesherRandom);
+
 // Å to the power of 3 for each ball: 4 is denser than a protein with its hydrogens, 40 is sparse.
 struct Recipe {
   double low_radius, high_radius;  // Å
@@ -44,15 +47,15 @@ void expect_sound_sets(unsigned seed, const Recipe& recipe, const Demands& deman
   }
 }
 
-TEST(ExactMesherRandom, Dense) { expect_sound_sets(1000, {1.2, 1.9, 4, 0}); }
-TEST(ExactMesherRandom, LikeAProtein) { expect_sound_sets(2000, {1.2, 1.9, 9, 0}); }
-TEST(ExactMesherRandom, Sparse) { expect_sound_sets(3000, {1.0, 2.0, 40, 0}); }
-TEST(ExactMesherRandom, EqualRadii) { expect_sound_sets(4000, {1.5, 1.5, 9, 0}); }
-TEST(ExactMesherRandom, ManySizes) { expect_sound_sets(5000, {0.1, 2.5, 9, 0}); }
-TEST(ExactMesherRandom, FewDecimals) { expect_sound_sets(6000, {1.2, 1.9, 9, 0.001}); }
+TEST_P(ExactMesherRandom, Dense) { expect_sound_sets(1000, {1.2, 1.9, 4, 0}); }
+TEST_P(ExactMesherRandom, LikeAProtein) { expect_sound_sets(2000, {1.2, 1.9, 9, 0}); }
+TEST_P(ExactMesherRandom, Sparse) { expect_sound_sets(3000, {1.0, 2.0, 40, 0}); }
+TEST_P(ExactMesherRandom, EqualRadii) { expect_sound_sets(4000, {1.5, 1.5, 9, 0}); }
+TEST_P(ExactMesherRandom, ManySizes) { expect_sound_sets(5000, {0.1, 2.5, 9, 0}); }
+TEST_P(ExactMesherRandom, FewDecimals) { expect_sound_sets(6000, {1.2, 1.9, 9, 0.001}); }
 
 // Coordinates and radii of one or two decimals: corners and arcs that all but coincide.
-TEST(ExactMesherRandom, Coarse) {
+TEST_P(ExactMesherRandom, Coarse) {
   Demands demands;
   demands.distance = 3e-8;  // kNoArc of the radius, and what a collapse moves
   demands.topology = Topology::parted;

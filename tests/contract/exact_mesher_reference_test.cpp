@@ -6,6 +6,9 @@
 namespace vdwmesh::testing {
 namespace {
 
+class ExactMesherReference : public ExactMesherContract {};
+VDWMESH_INSTANTIATE_BACKENDS(ExactMesherReference);
+
 // 25 sets with two probes each; a table that lost its rows would test nothing.
 std::vector<ReferenceRow> all_rows() {
   std::vector<ReferenceRow> rows = reference_rows();
@@ -31,14 +34,14 @@ void expect_reference(const ReferenceRow& row, double edge_length, int levels) {
   }
 }
 
-TEST(ExactMesherReference, SmallSets) {
+TEST_P(ExactMesherReference, SmallSets) {
   VDWMESH_NEEDS_SHARED("reference/union_of_balls.csv");
   for (const ReferenceRow& row : all_rows()) {
     if (row.balls <= 330) expect_reference(row, 0.35, row.balls <= 40 ? 2 : 0);
   }
 }
 
-TEST(ExactMesherReference, AllSetsButTheRibosome) {
+TEST_P(ExactMesherReference, AllSetsButTheRibosome) {
   VDWMESH_NEEDS_SHARED("reference/union_of_balls.csv");
   for (const ReferenceRow& row : all_rows()) {
     if (row.set != "6ZU5") expect_reference(row, 0.5, row.balls <= 330 ? 1 : 0);

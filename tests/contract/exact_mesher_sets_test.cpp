@@ -16,10 +16,13 @@
 namespace vdwmesh::testing {
 namespace {
 
+class ExactMesherSets : public ExactMesherContract {};
+VDWMESH_INSTANTIATE_BACKENDS(ExactMesherSets);
+
 constexpr unsigned kSets = 160;  // ten of each recipe
 constexpr int kMostRefused = 6;
 
-TEST(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
+TEST_P(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
   int refused = 0;
   for (unsigned seed = 0; seed < kSets; ++seed) {
     const SeededSet set = seeded_set(seed);
@@ -54,22 +57,52 @@ class CountStages : public Monitor {
 
 // Coarser sizes of features are tried only where they change the boundary: four balls through one
 // circle to a hair, with no arc that is short, are refused after the rounds of the first sizes.
-TEST(ExactMesherSets, NothingIsTriedAgainInVain) {
+TEST_P(ExactMesherSets, NothingIsTriedAgainInVain) {
   CountStages monitor;
   ExactMeshOptions options;
   options.monitor = &monitor;
   const SeededSet set = seeded_set(83);
   options.edge_length = set.edge_length;
-  EXPECT_THROW(mesh_union(set.spheres, options), LimitExceeded);
+  EXPECT_THROW(mesh_with(set.spheres, options), LimitExceeded);
   EXPECT_GT(monitor.stages, 12);  // the rounds for the shape of triangles
   EXPECT_LT(monitor.stages, 40);
 }
 
-// The bytes that `mesh_union` says it needs where it is allowed a thousand.
+// Stops when more stages have begun than allowed.
+class StopAtStage : public CountStages {
+ public:
+  explicit StopAtStage(int allowed) : allowed_(allowed) {}
+  bool cancelled() const override { return stages > allowed_; }
+
+ private:
+  int allowed_;
+};
+
+// Curves that all but coincide end the splitting by the number of pieces of one arc, however large
+// the molecule beside them is: with a limit on all pieces alone, 512 balls would allow half a
+// million more. A round may double the pieces of an arc, so two rounds more than alone do.
+TEST_P(ExactMesherSets, ALargeMoleculeAllowsNoMorePiecesOfOneArc) {
+  const SeededSet set = seeded_set(17'000'499);
+  ExactMeshOptions options;
+  options.edge_length = set.edge_length;
+  CountStages alone;
+  options.monitor = &alone;
+  EXPECT_THROW(mesh_with(set.spheres, options), LimitExceeded);
+  std::vector<Sphere> beside(set.spheres.spheres().begin(), set.spheres.spheres().end());
+  const SphereSet molecule = cluster(512, 1);
+  for (const Sphere& s : molecule.spheres()) {
+    beside.push_back({s.center + Vec3d{1000, 0, 0}, s.radius});
+  }
+  StopAtStage monitor(alone.stages + 2);
+  options.monitor = &monitor;
+  EXPECT_THROW(mesh_with(SphereSet(beside), options), LimitExceeded);
+}
+
+// The bytes that `mesh_with` says it needs where it is allowed a thousand.
 std::uint64_t asked_bytes(const SphereSet& spheres, ExactMeshOptions options) {
   options.memory_limit = 1000;
   try {
-    mesh_union(spheres, options);
+    mesh_with(spheres, options);
   } catch (const LimitExceeded& error) {
     std::smatch found;
     const std::string text = error.what();
@@ -83,13 +116,13 @@ std::uint64_t asked_bytes(const SphereSet& spheres, ExactMeshOptions options) {
 
 // This set's mesh differs from the union by two, so that finer sizes are tried beside it. There is
 // no room for a second mesh: the first one is given, with what it says of itself.
-TEST(ExactMesherSets, AMeshIsKeptWhereFinerSizesDoNotFit) {
+TEST_P(ExactMesherSets, AMeshIsKeptWhereFinerSizesDoNotFit) {
   const SeededSet set = seeded_set(57);
   ExactMeshOptions options;
   options.edge_length = set.edge_length;
-  const ExactMesh wide = mesh_union(set.spheres, options);
+  const ExactMesh wide = mesh_with(set.spheres, options);
   options.memory_limit = asked_bytes(set.spheres, options);
-  const ExactMesh narrow = mesh_union(set.spheres, options);
+  const ExactMesh narrow = mesh_with(set.spheres, options);
   EXPECT_EQ(wide.stats.euler_difference, 2);
   EXPECT_EQ(narrow.stats.euler_difference, 2);
   EXPECT_EQ(narrow.mesh.positions, wide.mesh.positions);
@@ -112,7 +145,7 @@ class StopAfter : public Monitor {
 };
 
 // One ball with a boundary of thousands of points: between two balls there is too long to wait.
-TEST(ExactMesherSets, ACallerIsAskedWithinABall) {
+TEST(ExactMesherSetsOnTheCpu, ACallerIsAskedWithinABall) {
   std::vector<Sphere> balls = {{{0, 0, 0}, 20}};
   const SphereSet shell = hollow_shell(60, 20, 1.5);
   balls.insert(balls.end(), shell.spheres().begin(), shell.spheres().end());
@@ -121,13 +154,13 @@ TEST(ExactMesherSets, ACallerIsAskedWithinABall) {
   ExactMeshOptions options;
   options.edge_length = 0.1;
   options.monitor = &never;
-  const ExactMesh made = mesh_union(spheres, options);
+  const ExactMesh made = mesh_with(spheres, options);
   // Once in 128 points or pieces, of both sides of every arc.
   EXPECT_GT(never.asked(), static_cast<int>(made.stats.pieces / 128 + 61));
   for (const int questions : {0, 5, never.asked() / 2, never.asked() - 10}) {
     StopAfter monitor(questions);
     options.monitor = &monitor;
-    EXPECT_THROW(mesh_union(spheres, options), Cancelled) << questions;
+    EXPECT_THROW(mesh_with(spheres, options), Cancelled) << questions;
   }
 }
 

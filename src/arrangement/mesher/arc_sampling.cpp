@@ -60,11 +60,12 @@ std::vector<std::uint32_t> sides_of(const BoundaryArcs& boundary,
 
 ArcSampling::ArcSampling(const BoundaryArcs& boundary, std::span<const double> edge_lengths)
     : boundary_(boundary), unequal_(boundary.arcs.size()) {
-  pieces_.reserve(boundary.arcs.size());
-  for (const BoundaryArc& arc : boundary.arcs) {
+  pieces_.resize(boundary.arcs.size());
+  for_each_index(pieces_.size(), [&](std::size_t a) {
+    const BoundaryArc& arc = boundary.arcs[a];
     const double shorter = std::min(edge_lengths[arc.balls[0]], edge_lengths[arc.balls[1]]);
-    pieces_.push_back(piece_count(arc, shorter));
-  }
+    pieces_[a] = piece_count(arc, shorter);
+  });
 }
 
 std::uint32_t ArcSampling::pieces(std::uint32_t arc) const { return pieces_[arc]; }

@@ -46,8 +46,9 @@ class ArcSampling {
   // LimitExceeded for an arc of 10^9 pieces or more.
   ArcSampling(const BoundaryArcs& boundary, std::span<const double> edge_lengths);
 
-  // The number of pieces of an arc.
+  // The number of pieces of an arc, and of every arc.
   std::uint32_t pieces(std::uint32_t arc) const;
+  const std::vector<std::uint32_t>& pieces() const { return pieces_; }
   // Position of a sample point, 0 <= index <= pieces(arc). Ends of an arc are exactly its corners.
   Vec3d point(std::uint32_t arc, std::uint32_t index) const;
   // The angle of sample point `index` as a fraction of the arc's sweep, 0 to 1.

@@ -10,8 +10,6 @@
 // without width are closed until there is none left.
 #include "arrangement/mesher/boundary_arcs.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,7 +19,9 @@
 #include "arrangement/directions.hpp"
 #include "arrangement/mesher/touching_arcs.hpp"
 #include "core/disjoint_sets.hpp"
+#include "core/first_named.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/sorted_rows.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -57,25 +57,22 @@ class BoundaryBuilder {
  private:
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
-  // Step (1). Corners are numbered in the order in which the arcs name them. Corners and arcs are
-  // then placed on all cores.
+  // Step (1). Corners are numbered in the order in which the arcs name them.
   void place_arcs(const std::vector<ExposedArc>& exposed) {
-    std::vector<CornerIndex> named;
-    const auto number = [&](CornerIndex index) {
-      if (corner_of_[index] != kNoIndex) return;
-      corner_of_[index] = static_cast<std::uint32_t>(named.size());
-      named.push_back(index);
+    const auto end_of_arc = [&](std::size_t end) -> std::size_t {
+      const ExposedArc& arc = exposed[end / 2];
+      return arc.start == kNoCorner ? corner_of_.size() : end % 2 == 0 ? arc.start : arc.end;
     };
-    for (const ExposedArc& arc : exposed) {
-      if (arc.start == kNoCorner) continue;
-      number(arc.start);
-      number(arc.end);
-    }
-    out_.corners.resize(named.size());
-    for_each_index(named.size(), [&](std::size_t i) { out_.corners[i] = corner(named[i]); });
+    const std::uint32_t corners =
+        number_first_named(2 * exposed.size(), corner_of_.size(), end_of_arc,
+                           [&](CornerIndex index, std::uint32_t n) { corner_of_[index] = n; });
+    out_.corners.resize(corners);
+    for_each_index(corner_of_.size(), [&](CornerIndex index) {
+      if (corner_of_[index] != kNoIndex) out_.corners[corner_of_[index]] = corner(index);
+    });
     out_.arcs.resize(exposed.size());
     for_each_index(exposed.size(), [&](std::size_t i) { out_.arcs[i] = placed(exposed[i]); });
-    std::erase_if(out_.arcs, [&](const BoundaryArc& arc) { return leave_out(arc); });
+    leave_out_arcs();
   }
 
   // A corner of the dual complex. A CornerIndex is 2 × triangle + side. Side 0 lies above the
@@ -148,23 +145,55 @@ class BoundaryBuilder {
                                                               : std::abs(angle);
   }
 
-  // Whether an arc is to be left out because it is too small; if so, counts it. Both feature sizes
-  // refer to the lesser radius of its two balls. A whole circle that is a contact vanishes. An arc
-  // becomes a point if it is short, or if its circle is a contact, however far the arc turns. The
-  // ends of such an arc are kept, for join_corners().
-  bool leave_out(const BoundaryArc& arc) {
-    const double smaller_radius = std::min(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
-    const bool no_circle = out_.is_contact(arc.radius, smaller_radius);
-    if (arc.is_circle() && no_circle) {
-      ++out_.contacts;
-    } else if (!arc.is_circle() &&
-               (no_circle || arc.sweep * arc.radius <= out_.sizes.arc * smaller_radius)) {
-      ++out_.points;
-      short_arc_ends_.push_back(arc.ends);
-    } else {
-      return false;
+  // Leaves out the arcs that are too small, and counts them. The ends of an arc that becomes a
+  // point are kept, for join_corners().
+  void leave_out_arcs() {
+    const std::vector<std::uint32_t> gone =
+        arcs_with([&](const BoundaryArc& arc) { return is_left_out(arc); });
+    for (const std::uint32_t a : gone) {
+      const BoundaryArc& arc = out_.arcs[a];
+      if (arc.is_circle()) {
+        ++out_.contacts;
+      } else {
+        ++out_.points;
+        short_arc_ends_.push_back(arc.ends);
+      }
     }
-    return true;
+    remove(gone);
+  }
+
+  // Whether an arc is too small. Both feature sizes refer to the lesser radius of its two balls. A
+  // whole circle that is a contact vanishes. An arc becomes a point if it is short, or if its
+  // circle is a contact, however far the arc turns.
+  bool is_left_out(const BoundaryArc& arc) const {
+    const double smaller_radius = std::min(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
+    return out_.is_contact(arc.radius, smaller_radius) ||
+           (!arc.is_circle() && arc.sweep * arc.radius <= out_.sizes.arc * smaller_radius);
+  }
+
+  // The arcs for which the predicate holds, ascending. As a rule there is none.
+  template <class Predicate>
+  std::vector<std::uint32_t> arcs_with(const Predicate& holds) const {
+    return collect<std::uint32_t>(out_.arcs.size(),
+                                  [&](std::size_t a, std::vector<std::uint32_t>& found) {
+                                    if (holds(out_.arcs[a]))
+                                      found.push_back(static_cast<std::uint32_t>(a));
+                                  });
+  }
+
+  // Removes arcs, given ascending.
+  void remove(const std::vector<std::uint32_t>& gone) {
+    if (gone.empty()) return;
+    auto next = gone.begin();
+    std::size_t kept = *next;
+    for (std::size_t a = kept; a < out_.arcs.size(); ++a) {
+      if (next != gone.end() && *next == a) {
+        ++next;
+      } else {
+        out_.arcs[kept++] = out_.arcs[a];
+      }
+    }
+    out_.arcs.resize(kept);
   }
 
   // Finds pairs of corners of one ball that coincide: there, boundary curves of one patch meet in a
@@ -172,17 +201,18 @@ class BoundaryBuilder {
   // the patch is meshed. A ball has few corners as a rule, so all its pairs are compared.
   void find_coincident_corners() {
     using Pair = std::array<std::uint32_t, 2>;
-    std::vector<Pair> listed;  // entries (ball, corner on its sphere), after sorting ball by ball
-    listed.reserve(3 * out_.corners.size());
-    for (std::uint32_t c = 0; c < out_.corners.size(); ++c) {
-      for (const std::uint32_t b : out_.corners[c].balls) listed.push_back({b, c});
-    }
-    tbb::parallel_sort(listed.begin(), listed.end());
-    const auto coincident = collect<Pair>(listed.size(), [&](std::size_t i, auto& found) {
-      const double reach = out_.sizes.arc * ball(listed[i][0]).radius;
-      for (std::size_t j = i + 1; j < listed.size() && listed[j][0] == listed[i][0]; ++j) {
-        const Vec3d gap = out_.corners[listed[j][1]].position - out_.corners[listed[i][1]].position;
-        if (squared_norm(gap) <= reach * reach) found.push_back({listed[i][1], listed[j][1]});
+    SortedRows<std::uint32_t> corners;  // by ball: those on its sphere
+    corners.fill(t_.balls.size(), out_.corners.size(), [&](std::size_t c, const auto& add) {
+      for (const std::uint32_t b : out_.corners[c].balls) add(b, static_cast<std::uint32_t>(c));
+    });
+    const auto coincident = collect<Pair>(corners.size(), [&](std::size_t b, auto& found) {
+      const auto of_ball = corners[b];
+      const double reach = out_.sizes.arc * t_.balls[b].radius;
+      for (std::size_t i = 0; i < of_ball.size(); ++i) {
+        for (std::size_t j = i + 1; j < of_ball.size(); ++j) {
+          const Vec3d gap = out_.corners[of_ball[j]].position - out_.corners[of_ball[i]].position;
+          if (squared_norm(gap) <= reach * reach) found.push_back({of_ball[i], of_ball[j]});
+        }
       }
     });
     joined_.insert(joined_.end(), coincident.begin(), coincident.end());
@@ -222,21 +252,24 @@ class BoundaryBuilder {
       out_.joins += sets.find(a) != sets.find(b);
       sets.join(a, b);
     }
-    std::erase_if(out_.arcs, [&](const BoundaryArc& arc) { return is_point(arc, sets); });
-    // By old index of a corner: its new index, or kNoIndex if no arc has asked for it yet.
+    remove(arcs_with([&](const BoundaryArc& arc) { return is_point(arc, sets); }));
+    // By old index of a corner: its new index, or kNoIndex if no arc ends there.
     std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
-    std::vector<BoundaryCorner> kept;
-    for (BoundaryArc& arc : out_.arcs) {
-      if (arc.is_circle()) continue;
-      for (std::uint32_t& end : arc.ends) {
-        const std::uint32_t root = sets.find(end);
-        if (number[root] == kNoIndex) {
-          number[root] = static_cast<std::uint32_t>(kept.size());
-          kept.push_back(out_.corners[root]);
-        }
-        end = number[root];
-      }
-    }
+    const auto root_at = [&](std::size_t end) -> std::size_t {
+      const BoundaryArc& arc = out_.arcs[end / 2];
+      return arc.is_circle() ? number.size() : sets.find(arc.ends[end % 2]);
+    };
+    Buffer<BoundaryCorner> kept(
+        number_first_named(2 * out_.arcs.size(), number.size(), root_at,
+                           [&](std::size_t root, std::uint32_t n) { number[root] = n; }));
+    for_each_index(number.size(), [&](std::size_t c) {
+      if (number[c] != kNoIndex) kept[number[c]] = out_.corners[c];
+    });
+    for_each_index(out_.arcs.size(), [&](std::size_t a) {
+      BoundaryArc& arc = out_.arcs[a];
+      if (arc.is_circle()) return;
+      for (std::uint32_t& end : arc.ends) end = number[sets.find(end)];
+    });
     out_.corners = std::move(kept);
   }
 
@@ -245,45 +278,56 @@ class BoundaryBuilder {
   // slit have the same ends and coincide in space. They become one arc between the two other balls.
   // Returns whether a slit was closed.
   bool close_slits() {
-    // Entries (ball, end of lower index, end of higher index, arc). After sorting, arcs of one ball
-    // with the same ends follow each other. So do all whole circles of a ball, whose ends are
-    // kNoIndex.
-    std::vector<std::array<std::uint32_t, 4>> places;
-    places.reserve(2 * out_.arcs.size());
-    for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
+    const std::vector<Slit> slits = find_slits();
+    // An arc takes part in one closure per call, because `slits` has its former balls afterwards.
+    std::vector<std::uint8_t> changed(slits.empty() ? 0 : out_.arcs.size(), 0);
+    std::vector<std::uint32_t> gone;
+    for (const auto& [ball, a, b] : slits) {
+      if (changed[a] || changed[b]) continue;
+      // Arc a takes the ball on the far side of arc b in place of `ball`. Its frame can stay: its
+      // axis runs from its first ball to its second, and as the three centres are in line with
+      // `ball` in the middle (is_slit()), the axis towards the outer ball has the same direction.
+      (out_.arcs[a].balls[0] == ball ? out_.arcs[a].balls[0] : out_.arcs[a].balls[1]) =
+          other_ball(out_.arcs[b], ball);
+      changed[a] = changed[b] = 1;
+      gone.push_back(b);
+    }
+    std::sort(gone.begin(), gone.end());
+    remove(gone);
+    out_.joins += gone.size();
+    out_.has_joined_corners = out_.has_joined_corners || !gone.empty();
+    return !gone.empty();
+  }
+
+  struct Slit {
+    std::uint32_t ball, first, second;  // the two arcs
+  };
+
+  // All pairs of arcs that bound a slit, by ball.
+  std::vector<Slit> find_slits() const {
+    // An arc of a ball, with its ends in ascending order. In the row of a ball, arcs with the same
+    // ends follow each other. So do all whole circles, whose ends are kNoIndex.
+    struct Place {
+      std::uint32_t low, high, arc;
+      auto operator<=>(const Place&) const = default;
+    };
+    SortedRows<Place> places;
+    places.fill(t_.balls.size(), out_.arcs.size(), [&](std::size_t a, const auto& add) {
       const BoundaryArc& arc = out_.arcs[a];
       const auto [low, high] = std::minmax(arc.ends[0], arc.ends[1]);
-      for (const std::uint32_t b : arc.balls) places.push_back({b, low, high, a});
-    }
-    tbb::parallel_sort(places.begin(), places.end());
-    // An arc takes part in one closure per call, because `places` has its former balls afterwards.
-    // `gone` marks arcs to be removed.
-    std::vector<char> changed(out_.arcs.size(), 0), gone(out_.arcs.size(), 0);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const auto [ball, low, high, a] = places[i];
-      for (std::size_t j = i + 1; j < places.size(); ++j) {
-        const std::uint32_t b = places[j][3];
-        if (places[j][0] != ball || places[j][1] != low || places[j][2] != high) break;
-        if (changed[a] || changed[b] || !is_slit(ball, out_.arcs[a], out_.arcs[b])) continue;
-        // Arc a takes the ball on the far side of arc b in place of `ball`. Its frame can stay: its
-        // axis runs from its first ball to its second, and as the three centres are in line with
-        // `ball` in the middle (is_slit()), the axis towards the outer ball has the same direction.
-        (out_.arcs[a].balls[0] == ball ? out_.arcs[a].balls[0] : out_.arcs[a].balls[1]) =
-            other_ball(out_.arcs[b], ball);
-        changed[a] = changed[b] = gone[b] = 1;
+      for (const std::uint32_t b : arc.balls) add(b, {low, high, static_cast<std::uint32_t>(a)});
+    });
+    return collect<Slit>(places.size(), [&](std::size_t b, std::vector<Slit>& found) {
+      const auto ball = static_cast<std::uint32_t>(b);
+      const auto row = places[b];
+      for (auto i = row.begin(); i != row.end(); ++i) {
+        for (auto j = i + 1; j != row.end() && j->low == i->low && j->high == i->high; ++j) {
+          if (is_slit(ball, out_.arcs[i->arc], out_.arcs[j->arc])) {
+            found.push_back({ball, i->arc, j->arc});
+          }
+        }
       }
-    }
-    std::size_t kept = 0;
-    for (std::size_t a = 0; a < gone.size(); ++a) {
-      if (gone[a]) continue;
-      if (kept < a) out_.arcs[kept] = out_.arcs[a];
-      ++kept;
-    }
-    const bool any = kept < gone.size();
-    out_.joins += gone.size() - kept;
-    out_.arcs.resize(kept);
-    out_.has_joined_corners = out_.has_joined_corners || any;
-    return any;
+    });
   }
 
   // The ball on the other side of an arc. Precondition: `ball` is one of its two balls.

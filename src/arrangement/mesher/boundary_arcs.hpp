@@ -14,10 +14,9 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "arrangement/complex/exposed_arcs.hpp"
+#include "core/buffer.hpp"
 #include "core/vec3.hpp"
 
 namespace vdwmesh {
@@ -59,8 +58,8 @@ struct BoundaryCorner {
 
 // The arcs and corners, and how many features were reduced to points.
 struct BoundaryArcs {
-  std::vector<BoundaryArc> arcs;
-  std::vector<BoundaryCorner> corners;
+  Buffer<BoundaryArc> arcs;
+  Buffer<BoundaryCorner> corners;
   FeatureSizes sizes;          // by which features were reduced
   std::uint64_t points = 0;    // arcs that became a point
   std::uint64_t contacts = 0;  // circles that vanished

@@ -5,11 +5,14 @@
 // share; (3) copy boundaries and triangulations to their places.
 #include "arrangement/mesher/patch_batch.hpp"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -47,27 +50,53 @@ PatchSizes sizes_of(const PatchJob& job) {
 
 bool is_for_device(const PatchSizes& sizes) { return sizes.most_points <= kMostPoints; }
 
+// How many patches of `count` a device gets, so that it and the host's cores end at the same time.
+// The figures are those of an H200 and the host's 16 cores (docs/exact_mesh.md): the device takes
+// 18 ms for its slowest patch and one more for every 420; a core meshes 7.5 in a millisecond. Fewer
+// than 1,024 patches are not worth the transfer.
+std::size_t device_share(std::size_t count) {
+  constexpr double kSlowest = 18, kOfDevice = 420, kOfCore = 7.5;
+  const auto cores = static_cast<double>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  if (count < 1024) return 0;
+  const double n = static_cast<double>(count);
+  const double of_host = (kSlowest + n / kOfDevice) / (1 / (kOfCore * cores) + 1 / kOfDevice);
+  return count - static_cast<std::size_t>(std::min(n, of_host));
+}
+
 PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint32_t> which)
     : jobs_(jobs) {
-  std::vector<std::pair<std::uint32_t, PatchSizes>> sized;
-  sized.reserve(which.size());
-  for (const std::uint32_t j : which) sized.emplace_back(j, sizes_of(jobs[j]));
-  std::stable_sort(sized.begin(), sized.end(), [](const auto& a, const auto& b) {
-    return a.second.most_points > b.second.most_points;
-  });
-  lattices_.resize(kMostParts + 1);
-  for (const auto& [j, sizes] : sized) {
-    const PatchJob& job = jobs[j];
-    const std::uint32_t parts = SpherePoints::parts(clamped_edge(job));
-    if (parts > kMostParts) continue;
-    add_lattice(parts, clamped_edge(job));
-    order_.push_back(j);
-    patches_.push_back({sizes, lattices_[parts].first, lattices_[parts].count, input_bytes_,
-                        work_bytes_, job.edge_length, job.progress->plane.largest, job.demand});
+  // What a job needs, found on all cores.
+  struct Need {
+    std::uint32_t job, parts;
+    PatchSizes sizes;
+    std::size_t input_bytes, work_bytes;
+  };
+  std::vector<Need> needs(which.size());
+  for_each_index(which.size(), [&](std::size_t i) {
+    const PatchJob& job = jobs[which[i]];
+    const PatchSizes sizes = sizes_of(job);
     ArrayPlaces places(nullptr);
     patch_input(sizes, places);
-    input_bytes_ += places.bytes();
-    work_bytes_ += vdwmesh::work_bytes(sizes);
+    needs[i] = {which[i], SpherePoints::parts(clamped_edge(job)), sizes, places.bytes(),
+                vdwmesh::work_bytes(sizes)};
+  });
+  std::stable_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
+    return a.sizes.most_points > b.sizes.most_points;
+  });
+  lattices_.resize(kMostParts + 1);
+  order_.reserve(which.size());
+  patches_.reserve(which.size());
+  for (const Need& need : needs) {
+    const PatchJob& job = jobs[need.job];
+    if (need.parts > kMostParts) continue;
+    add_lattice(need.parts, clamped_edge(job));
+    const Lattice& lattice = lattices_[need.parts];
+    order_.push_back(need.job);
+    patches_.push_back({need.sizes, lattice.first, lattice.count, input_bytes_, work_bytes_,
+                        job.edge_length, job.progress->plane.largest, job.demand});
+    input_bytes_ += need.input_bytes;
+    work_bytes_ += need.work_bytes;
   }
 }
 

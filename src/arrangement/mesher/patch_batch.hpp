@@ -17,6 +17,9 @@ PatchSizes sizes_of(const PatchJob& job);
 // Whether a patch is for a device. A single thread meshes it, so it must not be large.
 bool is_for_device(const PatchSizes& sizes);
 
+// How many of so many patches a device gets (DeviceWork::balanced).
+std::size_t device_share(std::size_t count);
+
 class PatchBatch {
  public:
   // Takes the jobs `which` of `jobs`, and keeps a view of both.

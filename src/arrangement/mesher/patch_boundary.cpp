@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "arrangement/complex/simplex_shape.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -80,19 +81,24 @@ Vec3d direction(const Sphere& s, const Vec3d& p) { return (1 / s.radius) * (p - 
 PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
                        const BoundaryArcs& boundary) {
   const std::size_t balls = triangulation.balls.size();
-  const auto each_arc = [&](const auto& visit) {
-    for (std::uint32_t a = 0; a < boundary.arcs.size(); ++a) {
-      for (const std::uint32_t ball : boundary.arcs[a].balls) visit(ball, a);
+  arcs_.fill(balls, boundary.arcs.size(), [&](std::size_t a, const auto& add) {
+    for (const std::uint32_t ball : boundary.arcs[a].balls) {
+      add(ball, static_cast<std::uint32_t>(a));
     }
-  };
-  arcs_.fill(balls, each_arc);
-  const auto each_neighbor = [&](const auto& visit) {
-    for (const DualEdge& e : complex.edges) {
-      visit(e.vertices[0], e.vertices[1]);
-      visit(e.vertices[1], e.vertices[0]);
+  });
+  // First the numbers of the edges, in their order, then in their places the balls at their other
+  // ends.
+  neighbors_.fill(balls, complex.edges.size(), [&](std::size_t e, const auto& add) {
+    for (const std::uint32_t ball : complex.edges[e].vertices) {
+      add(ball, static_cast<std::uint32_t>(e));
     }
-  };
-  neighbors_.fill(balls, each_neighbor);
+  });
+  for_each_index(balls, [&](std::size_t ball) {
+    for (std::uint32_t& entry : neighbors_[ball]) {
+      const auto [low, high] = complex.edges[entry].vertices;
+      entry = low == ball ? high : low;
+    }
+  });
   if (!boundary.has_joined_corners) return;
   const auto each_ball_of_corner = [&](const auto& visit) {
     for (const BoundaryArc& arc : boundary.arcs) {
@@ -252,11 +258,19 @@ void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, con
                   std::uint32_t side, std::span<const PieceSplit> splits, PatchBoundary& out,
                   std::vector<SplitChain>& chains) {
   const auto count = static_cast<std::uint32_t>(out.pieces.size());
+  // The first split of an arc, or where it would be. Pieces of one arc follow each other as a rule,
+  // and the list of all splits is long, so it is looked up once for them.
+  std::uint32_t arc = kNoIndex;
+  auto first = splits.begin();
   for (std::uint32_t p = 0; p < count; ++p) {
     const ArcPiece source = out.pieces[p].source;
-    auto split = std::lower_bound(
-        splits.begin(), splits.end(), ArcPiece{source.arc, 0},
-        [](const PieceSplit& request, const ArcPiece& piece) { return request.piece < piece; });
+    if (source.arc != arc) {
+      arc = source.arc;
+      first = std::lower_bound(
+          splits.begin(), splits.end(), ArcPiece{arc, 0},
+          [](const PieceSplit& request, const ArcPiece& piece) { return request.piece < piece; });
+    }
+    auto split = first;
     // Splits before the piece on its arc have moved its number.
     for (; split != splits.end() && split->piece < source; ++split) {
       out.pieces[p].source.piece += (1u << split->halvings) - 1;

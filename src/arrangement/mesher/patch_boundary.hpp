@@ -10,6 +10,7 @@
 
 #include "arrangement/mesher/arc_sampling.hpp"
 #include "arrangement/mesher/row_lists.hpp"
+#include "core/sorted_rows.hpp"
 
 namespace vdwmesh {
 
@@ -120,7 +121,8 @@ class PatchIndex {
   std::span<const std::uint32_t> balls_at(std::uint32_t corner) const;
 
  private:
-  RowLists arcs_, neighbors_, balls_;
+  SortedRows<std::uint32_t> arcs_, neighbors_;
+  RowLists balls_;
 };
 
 // An arc as the patch on one of its sides sees it.

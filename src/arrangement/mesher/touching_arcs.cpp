@@ -11,8 +11,6 @@
 // boundary_arcs.cpp calls join_touching_arcs() before it merges corners.
 #include "arrangement/mesher/touching_arcs.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,6 +21,7 @@
 #include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/sorted_rows.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -90,13 +89,12 @@ class TouchingArcs {
  private:
   // Step (1).
   void list_arcs() {
-    ball_arcs_.reserve(2 * out_.arcs.size());
-    for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
+    rows_.fill(t_.balls.size(), out_.arcs.size(), [&](std::size_t a, const auto& add) {
       const auto [first, second] = out_.arcs[a].balls;
-      ball_arcs_.push_back({first, second, a});
-      ball_arcs_.push_back({second, first, a});
-    }
-    tbb::parallel_sort(ball_arcs_.begin(), ball_arcs_.end());
+      add(first, {first, second, static_cast<std::uint32_t>(a)});
+      add(second, {second, first, static_cast<std::uint32_t>(a)});
+    });
+    ball_arcs_ = rows_.entries();
   }
 
   // Step (2) for one ball: gathers its circles from its entries of ball_arcs_, from `begin` on, and
@@ -288,7 +286,8 @@ class TouchingArcs {
 
   const PowerTriangulation& t_;
   BoundaryArcs& out_;
-  std::vector<ArcOfBall> ball_arcs_;  // sorted by ball, then other ball, then arc
+  SortedRows<ArcOfBall> rows_;            // by ball
+  std::span<const ArcOfBall> ball_arcs_;  // of all rows: by ball, then other ball, then arc
   // The cuts of all arcs. join_cuts() sorts them by arc and angle.
   std::vector<Cut> cuts_;
   // Pairs of corners that are one point.

@@ -8,7 +8,7 @@
 // are split in the common sampling, and the patches on both sides of them are meshed again in the
 // next round, until there are no requests. There are two series of rounds. The first only tests the
 // boundaries, which is quick; the second makes triangles. (3) Number the vertices (corners, points
-// of arcs, interior points ball by ball) and copy the patches into one mesh (mesh_assembly.hpp),
+// of arcs, interior points ball by ball) and copy the patches into one mesh (mesh_placement.hpp),
 // which goes to the team.
 //
 // Several processes may do this together (mesh_team.hpp). Each meshes the patches of a run of
@@ -24,14 +24,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include "arrangement/many_unions.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
-#include "arrangement/mesher/mesh_assembly.hpp"
+#include "arrangement/mesher/mesh_placement.hpp"
+#include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "core/fixed_blocks.hpp"
 
@@ -43,10 +48,12 @@ namespace {
 // round kMostRounds, the mesher gives up.
 constexpr int kQualityRounds = 12;
 constexpr int kMostRounds = 60;
-// How many pieces there may be in all, besides 64 for each piece there was at first: kMostGrowth
-// for the usual and finer feature sizes, kCoarserGrowth for coarser ones. Coarser sizes are tried
-// only after curves were found too close for the usual sizes, and several of them in turn, so less
-// is spent on each.
+// How many pieces there may be on one arc, and in all, besides 64 for each piece there was at
+// first: kMostGrowth for the usual and finer feature sizes, kCoarserGrowth for coarser ones.
+// Coarser sizes are tried only after curves were found too close for the usual sizes, and several
+// of them in turn, so less is spent on each. In a small set the limit on all ends the splitting of
+// several curves; in a large molecule it allows millions of pieces, and the limit on one arc ends
+// it.
 constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 16, kCoarserGrowth = kMostGrowth / 4;
 // A piece counts as straight if its sagitta, the largest distance between chord and arc, is below
 // this fraction of the size of its coordinates. Rounding moves a coordinate of size S by up to
@@ -58,19 +65,6 @@ double largest_coordinate(const Vec3d& p) {
   return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
 }
 
-// The edge length of each ball, scaled.
-std::vector<double> scaled_edge_lengths(const PowerTriangulation& t,
-                                        const ExactMeshOptions& options) {
-  std::vector<double> lengths;
-  lengths.reserve(t.balls.size());
-  for (const SphereId id : t.ids) {
-    const double length =
-        options.edge_lengths.empty() ? options.edge_length : options.edge_lengths[id];
-    lengths.push_back(std::ldexp(length, -t.scale_exponent));
-  }
-  return lengths;
-}
-
 // One run of the mesher; run() lists the steps.
 class UnionMesher {
  public:
@@ -80,30 +74,29 @@ class UnionMesher {
         device_(device),
         team_(team),
         t_(arrangement.triangulation),
-        measures_(arrangement.measures),
+        areas_(arrangement.areas),
         boundary_(std::move(boundary)),
         index_(t_, arrangement.complex, boundary_),
         edge_lengths_(scaled_edge_lengths(t_, options)),
         sampling_(boundary_, edge_lengths_),
         pieces_at_first_(count_pieces()),
+        pieces_of_arc_at_first_(sampling_.pieces()),
         allowed_growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
         progress_(t_.balls.size()),
         patches_(t_.balls.size()),
         has_coincident_points_(t_.balls.size(), 0) {}
 
   ExactMeshStats run() && {
-    MeshShare share;
     team_.together([&] {
-      share = own_share();
-      check_memory(share.balls);
+      const PatchExtents extents{areas_, edge_lengths_};
+      share_ = own_share(team_, boundary_, extents);
+      check_memory(share_, extents, count_pieces() / team_.count(), options_);
     });
-    mesh_patches(share.balls);
+    mesh_patches();
     MeshPiece piece;
     team_.together([&] {
       sampling_.number_vertices();
-      share.arcs = even_run(boundary_.arcs.size());
-      share.corners = even_run(boundary_.corners.size());
-      piece = assemble({t_, boundary_, sampling_, index_, patches_}, share);
+      assemble(piece);
     });
     team_.take(std::move(piece), boundary_.has_joined_corners ? boundary_.corners.size() : 0);
     ExactMeshStats stats = stats_;
@@ -121,83 +114,8 @@ class UnionMesher {
 
  private:
   std::uint64_t count_pieces() const {
-    std::uint64_t pieces = 0;
-    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a) pieces += sampling_.pieces(a);
-    return pieces;
-  }
-
-  // The equilateral triangles of its edge length that the area of a ball's patch holds.
-  double ideal_triangles(std::size_t ball) const {
-    const double length = edge_lengths_[ball];
-    return measures_[ball].area / (std::sqrt(3.0) / 4) / (length * length);
-  }
-
-  // The run of this process of `count` elements that are shared out evenly.
-  MeshShare::Run even_run(std::uint64_t count) const {
-    const auto begin = [&](std::uint64_t number) {
-      return static_cast<std::uint32_t>(count * number / team_.count());
-    };
-    return {begin(team_.number()), begin(team_.number() + 1)};
-  }
-
-  // The run of balls of this process: those whose middle triangle, of all in the order of the
-  // balls, is in its part. kPatch is what a patch costs besides its triangles, in triangles.
-  MeshShare own_share() const {
-    constexpr double kPatch = 20;
-    const std::size_t balls = t_.balls.size();
-    if (team_.count() == 1) return {{0, static_cast<std::uint32_t>(balls)}, {}, {}};
-    std::vector<double> middles;
-    double before = 0;
-    for (std::size_t b = 0; b < balls; ++b) {
-      const double triangles = ideal_triangles(b), cost = triangles > 0 ? triangles + kPatch : 0;
-      middles.push_back(before + cost / 2);
-      before += cost;
-    }
-    const auto begin = [&](std::size_t number) {
-      if (number == team_.count()) return static_cast<std::uint32_t>(balls);
-      const double part = static_cast<double>(number) / static_cast<double>(team_.count());
-      const auto first = std::ranges::lower_bound(middles, part * before);
-      return static_cast<std::uint32_t>(number == 0 ? 0 : first - middles.begin());
-    };
-    return {{begin(team_.number()), begin(team_.number() + 1)}, {}, {}};
-  }
-
-  // Refuses a mesh that will not fit the memory limit, before its memory is taken. The number of
-  // triangles is estimated from the area of the patches that this process meshes: the number of
-  // equilateral triangles of the edge length, times kFill, plus four per piece for narrow parts of
-  // patches, of which each process has its part. A closed mesh has about half as
-  // many vertices as triangles. By how much edges must be longer follows from the count, which
-  // falls with the square of the edge length, and 5 % are added for safety.
-  void check_memory(const MeshShare::Run& balls) const {
-    constexpr double kFill = 1.4;  // allowance over the ideal number of triangles
-    // Bytes per triangle for the patches before they are joined.
-    constexpr std::uint64_t kScratch = 40;
-    const std::uint64_t pieces = count_pieces() / team_.count();
-    double ideal = 0;
-    for (std::uint32_t b = balls.first; b < balls.second; ++b) ideal += ideal_triangles(b);
-    const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
-    // Just below 2^64. A triangle takes less than 200 bytes, so with at most kMost / 200 triangles
-    // the number of bytes fits 64 bits.
-    constexpr double kMost = 1.8e19;
-    const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
-    const std::uint64_t vertices = count / 2;
-    const std::uint64_t need =
-        indexed_mesh_bytes({vertices, count}, kPatchArrays) + kScratch * count;
-    if (need <= options_.memory_limit && vertices <= kMaxVertices) return;
-    const double longer =
-        1.05 *
-        std::max(std::sqrt(static_cast<double>(need) / static_cast<double>(options_.memory_limit)),
-                 std::sqrt(static_cast<double>(vertices) / static_cast<double>(kMaxVertices)));
-    if (!options_.edge_lengths.empty()) {
-      throw LimitExceeded(fmt::format(
-          "these edge lengths need about {} triangles and {} bytes, {} are allowed: choose lengths "
-          "{:.2g} times as long or a higher memory limit",
-          count, need, options_.memory_limit, longer));
-    }
-    throw LimitExceeded(fmt::format(
-        "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose an "
-        "edge length of at least {:.2g} Å or a higher memory limit",
-        options_.edge_length, count, need, options_.memory_limit, options_.edge_length * longer));
+    const std::vector<std::uint32_t>& pieces = sampling_.pieces();
+    return std::accumulate(pieces.begin(), pieces.end(), std::uint64_t{0});
   }
 
   // Whether the ball's sphere is exposed as a whole, except for points of contact. A sphere without
@@ -206,14 +124,13 @@ class UnionMesher {
   // rounding.
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;
-    return index_.arcs(ball).empty() && measures_[ball].area > 2 * std::numbers::pi * r * r;
+    return index_.arcs(ball).empty() && areas_[ball] > 2 * std::numbers::pi * r * r;
   }
 
   // The two series of rounds: first the boundaries of all patches that have one, then all patches.
-  void mesh_patches(const MeshShare::Run& own) {
-    own_ = own;
+  void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
-    for (std::uint32_t b = own.first; b < own.second; ++b) {
+    for (std::uint32_t b = share_.balls.first; b < share_.balls.second; ++b) {
       const bool has_arcs = !index_.arcs(b).empty();
       if (has_arcs) bounded.push_back(b);
       if (has_arcs || is_whole(b)) all.push_back(b);
@@ -248,7 +165,7 @@ class UnionMesher {
         sampling_.split(last_splits_);
         fits = pieces_fit();
         balls = sides_of(boundary_, last_splits_);
-        std::erase_if(balls, [&](std::uint32_t b) { return b < own_.first || b >= own_.second; });
+        std::erase_if(balls, [&](std::uint32_t b) { return !share_.has_patch_of(b); });
       });
       check_growth(last_splits_, team_.least(fits) != 0);
     }
@@ -261,7 +178,7 @@ class UnionMesher {
                 balls.size());
     const std::vector<std::uint32_t> for_host =
         device_ && stage == PatchStage::triangles && last_splits_.empty()
-            ? mesh_on_device(balls, demand)
+            ? mesh_beside_device(balls, demand)
             : balls;
     tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
       mesh_ball(for_host[i], demand, stage);
@@ -289,13 +206,20 @@ class UnionMesher {
     return indexed_mesh_bytes({2 * pieces, 4 * pieces}, kPatchArrays) <= options_.memory_limit;
   }
 
-  // Gives up if there are too many pieces for the memory of any process, or more than
-  // allowed_growth_ plus 64 for each piece there was at first. Curves that nearly coincide ask for
-  // shorter and shorter pieces. The message names the two spheres of that arc, among those just
-  // split, which has the most pieces.
+  // Gives up if there are too many pieces for the memory of any process, or more of one arc or in
+  // all than allowed_growth_ plus 64 for each piece there was at first. Curves that nearly coincide
+  // ask for shorter and shorter pieces. The message names the two spheres of that arc, among those
+  // just split, which has the most pieces.
   void check_growth(const std::vector<PieceSplit>& splits, bool fits) const {
     const std::uint64_t pieces = count_pieces();
-    if (fits && pieces <= allowed_growth_ + 64 * pieces_at_first_) return;
+    const auto has_grown = [&](std::uint64_t now, std::uint64_t at_first) {
+      return now > allowed_growth_ + 64 * at_first;
+    };
+    for (const PieceSplit& s : splits) {
+      const std::uint32_t arc = s.piece.arc;
+      if (has_grown(sampling_.pieces(arc), pieces_of_arc_at_first_[arc])) refuse(s.piece);
+    }
+    if (fits && !has_grown(pieces, pieces_at_first_)) return;
     const auto& longest = *std::max_element(
         splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
           return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
@@ -329,6 +253,12 @@ class UnionMesher {
       patches_[ball] = mesh_sphere(edge_length);
       return;
     }
+    // The device's patch is not wanted any more, since a piece was split. The patch begins anew, as
+    // one that the host has finished.
+    if (kept_job(ball)) {
+      progress_[ball].reset();
+      kept_[ball] = kNoIndex;
+    }
     PatchProgress& progress = up_to_date(ball);
     try {
       PatchMesh& patch = patches_[ball] =
@@ -339,35 +269,72 @@ class UnionMesher {
     }
   }
 
-  // Lets the device mesh the patches that have a boundary, if there are so many that this is worth
-  // its while, and returns the balls that it leaves to the host. Precondition: no piece was split
-  // in the last round, so the triangulations of all boundaries are up to date.
-  std::vector<std::uint32_t> mesh_on_device(const std::vector<std::uint32_t>& balls,
-                                            Demand demand) {
-    std::vector<std::uint32_t> of_job, left;
-    std::vector<PatchJob> jobs;
-    for (const std::uint32_t b : balls) {
-      const PatchProgress* progress = progress_[b].get();
-      if (!progress || !progress->is_triangulated) {
-        left.push_back(b);
-        continue;
-      }
+  // Lets the device mesh patches that have a boundary, and the host others meanwhile, and returns
+  // the balls that are left. Precondition: no piece was split in the last round, so the
+  // triangulations of all boundaries are up to date.
+  std::vector<std::uint32_t> mesh_beside_device(const std::vector<std::uint32_t>& balls,
+                                                Demand demand) {
+    const std::vector<std::uint32_t> bounded =
+        collect<std::uint32_t>(balls.size(), [&](std::size_t i, std::vector<std::uint32_t>& found) {
+          const PatchProgress* const progress = progress_[balls[i]].get();
+          if (progress && progress->is_triangulated) found.push_back(balls[i]);
+        });
+    const std::size_t given =
+        options_.device_work == DeviceWork::all ? bounded.size() : device_share(bounded.size());
+    if (given == 0) return balls;
+    jobs_.resize(given);
+    for_each_index(given, [&](std::size_t i) {
+      const std::uint32_t b = bounded[i];
       const double r = t_.balls[b].radius;
-      of_job.push_back(b);
-      jobs.push_back(
-          {progress, edge_lengths_[b] / r, measures_[b].area / (r * r), demand, &patches_[b]});
-    }
-    if (jobs.size() < device_->least_jobs()) return balls;
-    device_->mesh(jobs, options_.monitor);
-    tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t i) {
-      if (jobs[i].is_done && !jobs[i].mesh->triangles.empty()) finish(of_job[i], *jobs[i].mesh);
+      jobs_[i] = {progress_[b].get(), edge_lengths_[b] / r, areas_[b] / (r * r), demand,
+                  &patches_[b]};
     });
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-      if (!jobs[i].is_done) left.push_back(of_job[i]);
-      (jobs[i].is_done ? stats_.device_patches : stats_.left_patches) += 1;
+    beside([&] { device_->mesh(jobs_, options_.monitor); },
+           [&] {
+             tbb::parallel_for(given, bounded.size(), [&](std::size_t i) {
+               mesh_ball(bounded[i], demand, PatchStage::triangles);
+               advance(options_.monitor, 1);
+             });
+           });
+    return left_by_device(balls, bounded);
+  }
+
+  // Takes what the device has meshed of `bounded`, of which it was given the first ones, and
+  // returns the balls that neither it nor the host has meshed.
+  std::vector<std::uint32_t> left_by_device(const std::vector<std::uint32_t>& balls,
+                                            const std::vector<std::uint32_t>& bounded) {
+    kept_.assign(t_.balls.size(), kNoIndex);
+    tbb::parallel_for(std::size_t{0}, jobs_.size(), [&](std::size_t i) {
+      if (jobs_[i].is_kept) {
+        kept_[bounded[i]] = static_cast<std::uint32_t>(i);
+      } else if (jobs_[i].is_done && !jobs_[i].mesh->triangles.empty()) {
+        finish(bounded[i], *jobs_[i].mesh);
+      }
+    });
+    std::vector<std::uint32_t> done, left;
+    for (std::size_t i = 0; i < bounded.size(); ++i) {
+      if (i >= jobs_.size() || jobs_[i].is_done) done.push_back(bounded[i]);
     }
-    std::sort(left.begin(), left.end());
+    stats_.left_patches += bounded.size() - done.size();
+    stats_.device_patches += jobs_.size() - (bounded.size() - done.size());
+    std::ranges::set_difference(balls, done, std::back_inserter(left));
     return left;
+  }
+
+  // Works on a device, on a thread of its own, and on the host at the same time.
+  template <class OnDevice, class OnHost>
+  static void beside(const OnDevice& on_device, const OnHost& on_host) {
+    FirstError error;
+    {
+      const std::jthread device([&] { error.guard(on_device); });
+      error.guard(on_host);
+    }
+    error.rethrow();
+  }
+
+  // The job of a ball whose patch the device keeps, or null.
+  const PatchJob* kept_job(std::uint32_t ball) const {
+    return kept_.empty() || kept_[ball] == kNoIndex ? nullptr : &jobs_[kept_[ball]];
   }
 
   // The progress of a ball's patch, after the splits of the last round.
@@ -422,24 +389,97 @@ class UnionMesher {
     return splits;
   }
 
+  // Builds the piece of this process. Its vertices are corners and points of arcs, in the order of
+  // the numbers that the sampling has given them, then the interior points ball by ball; the
+  // patches of other processes are empty here. Every ball writes to index ranges of its own, from
+  // first_vertex and first_triangle on, so balls run in parallel. A patch is freed once it is
+  // copied. The device writes what it has kept, while the host writes the rest.
+  void assemble(MeshPiece& piece) {
+    IndexedMesh& mesh = piece.mesh;
+    MeshPlacement placement(t_, boundary_, sampling_, index_, share_);
+    std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
+        first_triangle(t_.balls.size() + 1);
+    first_vertex[0] = placement.corners() + placement.points();
+    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
+      const PatchJob* const kept = kept_job(b);
+      first_vertex[b + 1] = first_vertex[b] + (kept ? kept->interior : patches_[b].interior.size());
+      first_triangle[b + 1] =
+          first_triangle[b] + (kept ? kept->triangles : patches_[b].triangles.size());
+    }
+    placement.find_elsewhere(
+        [&](std::uint32_t b) { return first_triangle[b + 1] > first_triangle[b]; },
+        first_vertex.back());
+    piece.own = {placement.corners(), placement.points(),
+                 first_vertex.back() - first_vertex.front()};
+    piece.elsewhere = placement.elsewhere();
+    const std::uint64_t vertices = first_vertex.back() + piece.elsewhere.size();
+    if (vertices > kMaxVertices) {
+      throw LimitExceeded(
+          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge "
+                      "length",
+                      vertices, kMaxVertices));
+    }
+    make_room(mesh, {first_vertex.back(), first_triangle.back()}, kPatchArrays);
+    const auto place_on_host = [&] {
+      placement.place_corners(mesh);
+      placement.place_arcs(mesh);
+      tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
+        const auto ball = static_cast<std::uint32_t>(b);
+        placement.place_patch(patches_[b], ball, first_vertex[b], first_triangle[b], mesh);
+        patches_[b] = {};
+      });
+    };
+    if (kept_.empty()) return place_on_host();
+    beside([&] { place_kept(placement, first_vertex, first_triangle, mesh); }, place_on_host);
+  }
+
+  // Lets the device write the patches that it keeps.
+  void place_kept(const MeshPlacement& placement, const std::vector<std::uint64_t>& first_vertex,
+                  const std::vector<std::uint64_t>& first_triangle, IndexedMesh& mesh) {
+    std::vector<std::uint32_t> balls;
+    std::vector<PatchPlace> places;
+    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
+      if (kept_[b] == kNoIndex) continue;
+      balls.push_back(b);
+      const auto points = static_cast<std::uint32_t>(progress_[b]->boundary.points.size());
+      places.push_back(
+          {kept_[b], points, t_.balls[b], t_.ids[b], first_vertex[b], first_triangle[b]});
+    }
+    const auto boundary = [&](std::size_t i, std::span<std::uint32_t> out) {
+      const std::uint32_t b = balls[i];
+      std::vector<std::uint32_t> vertices;
+      placement.boundary_vertices(b, vertices);
+      const std::vector<std::uint32_t> numbers =
+          gathered_numbers(boundary_, sampling_, index_, b, progress_[b]->boundary);
+      for (std::size_t k = 0; k < numbers.size(); ++k) out[k] = vertices[numbers[k]];
+      progress_[b].reset();
+    };
+    device_->place({places, std::ldexp(1.0, t_.scale_exponent), boundary}, mesh);
+  }
+
   ExactMeshOptions options_;
   PatchDevice* device_;  // or null
   MeshTeam& team_;
   const PowerTriangulation& t_;
-  const std::vector<SphereMeasures>& measures_;
+  const std::vector<double>& areas_;  // by ball
   BoundaryArcs boundary_;
   PatchIndex index_;
   std::vector<double> edge_lengths_;  // by ball, scaled
   ArcSampling sampling_;
-  // The number of pieces before any was split; and the number that is allowed besides 64 for each
-  // of these.
-  std::uint64_t pieces_at_first_, allowed_growth_;
+  // The number of pieces before any was split, in all and by arc; and the number that is allowed
+  // besides 64 for each of these.
+  std::uint64_t pieces_at_first_;
+  std::vector<std::uint32_t> pieces_of_arc_at_first_;
+  std::uint64_t allowed_growth_;
   tbb::enumerable_thread_specific<PatchScratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one
-  MeshShare::Run own_{};                 // the balls of this process
+  MeshShare share_;                      // of this process
   // By ball; empty for balls that have not begun or have finished.
   std::vector<std::unique_ptr<PatchProgress>> progress_;
   std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
+  std::vector<PatchJob> jobs_;      // what the device was given
+  // By ball: its job, if the device keeps its patch; else kNoIndex. Empty without a device.
+  std::vector<std::uint32_t> kept_;
   // By ball. The elements are bytes and not bits, because several threads set them.
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;

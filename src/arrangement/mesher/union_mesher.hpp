@@ -18,7 +18,7 @@ namespace vdwmesh {
 struct Arrangement {
   PowerTriangulation triangulation;
   DualComplex complex;
-  std::vector<SphereMeasures> measures;  // per ball of the triangulation
+  std::vector<double> areas;  // exposed, per ball of the triangulation
 };
 
 // Thrown if curves of the boundary lie too close to be told apart. Coarser feature sizes may help.

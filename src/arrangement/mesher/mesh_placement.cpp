@@ -1,0 +1,124 @@
+// Fills the mesh: positions in Å, normals, labels, and triangles. Every vertex and triangle has a
+// place of its own, so all cores write at the same time. union_mesher.cpp numbers the vertices
+// before; where a device has meshed patches, it writes them in the same way (cuda/mesher/).
+#include "arrangement/mesher/mesh_placement.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/fixed_blocks.hpp"
+
+namespace vdwmesh {
+
+bool MeshPlacement::is_whole() const {
+  return corners() == boundary_.corners.size() &&
+         std::uint64_t{corners()} + points_ == sampling_.vertex_count();
+}
+
+// The difference of a number below a run wraps around to one that is beyond it.
+bool MeshPlacement::is_own(std::uint32_t number) const {
+  return number < boundary_.corners.size() ? number - share_.corners.first < corners()
+                                           : number - first_point_ < points_;
+}
+
+std::uint32_t MeshPlacement::local(std::uint32_t number) const {
+  if (is_own(number)) {
+    return number < boundary_.corners.size() ? number - share_.corners.first
+                                             : corners() + (number - first_point_);
+  }
+  const auto place = std::ranges::lower_bound(elsewhere_, number) - elsewhere_.begin();
+  return static_cast<std::uint32_t>(own_vertices_ + static_cast<std::uint64_t>(place));
+}
+
+void MeshPlacement::find_elsewhere(const std::function<bool(std::uint32_t)>& has_patch,
+                                   std::uint64_t own_vertices) {
+  own_vertices_ = own_vertices;
+  if (is_whole()) return;
+  const auto [first_ball, end_ball] = share_.balls;
+  elsewhere_ = collect<std::uint64_t>(
+      end_ball - first_ball, [&](std::size_t i, std::vector<std::uint64_t>& found) {
+        const auto ball = static_cast<std::uint32_t>(first_ball + i);
+        if (!has_patch(ball)) return;
+        std::vector<std::uint32_t> numbers;
+        vdwmesh::boundary_vertices(boundary_, sampling_, index_, ball, numbers);
+        for (const std::uint32_t number : numbers) {
+          if (!is_own(number)) found.push_back(number);
+        }
+      });
+  std::ranges::sort(elsewhere_);
+  const auto repeats = std::ranges::unique(elsewhere_);
+  elsewhere_.erase(repeats.begin(), repeats.end());
+}
+
+void MeshPlacement::boundary_vertices(std::uint32_t ball, std::vector<std::uint32_t>& out) const {
+  vdwmesh::boundary_vertices(boundary_, sampling_, index_, ball, out);
+  if (is_whole()) return;
+  for (std::uint32_t& v : out) v = local(v);
+}
+
+void MeshPlacement::place_corners(IndexedMesh& mesh) const {
+  for_each_index(corners(), [&](std::size_t i) {
+    const BoundaryCorner& corner = boundary_.corners[share_.corners.first + i];
+    place(corner.position, corner.balls, i, mesh);
+  });
+}
+
+void MeshPlacement::place_arcs(IndexedMesh& mesh) const {
+  tbb::parallel_for(share_.arcs.first, share_.arcs.second, [&](std::uint32_t a) {
+    const BoundaryArc& arc = boundary_.arcs[a];
+    for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < sampling_.pieces(a); ++k) {
+      place(sampling_.point(a, k), {arc.balls[0], arc.balls[1], kNoIndex},
+            local(sampling_.vertex(a, k)), mesh);
+    }
+  });
+}
+
+// `vertices` maps the point numbers of the patch to vertices of the mesh: first the points of the
+// boundary, then the interior points.
+void MeshPlacement::place_patch(const PatchMesh& patch, std::uint32_t ball,
+                                std::uint64_t first_vertex, std::uint64_t first_triangle,
+                                IndexedMesh& mesh) const {
+  if (patch.triangles.empty()) return;
+  const Sphere& s = t_.balls[ball];
+  const SphereId id = t_.ids[ball];
+  std::vector<std::uint32_t> vertices;
+  boundary_vertices(ball, vertices);
+  for (std::size_t i = 0; i < patch.interior.size(); ++i) {
+    const std::uint64_t v = first_vertex + i;
+    mesh.positions[v] = unscaled(s.center + s.radius * patch.interior[i]);
+    mesh.normals[v] = cast<float>(patch.interior[i]);
+    mesh.vertex_spheres.set(v, on_sphere(id));
+    vertices.push_back(static_cast<std::uint32_t>(v));
+  }
+  for (std::size_t t = 0; t < patch.triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      mesh.triangles[first_triangle + t][k] = vertices[patch.triangles[t][k]];
+    }
+    mesh.triangle_spheres[first_triangle + t] = id;
+  }
+}
+
+// Writes vertex `vertex` of the mesh at p (scaled), which lies on the spheres of up to three balls;
+// unused entries of `balls` are kNoIndex. The label has the ids of the spheres in ascending order.
+// The normal is the mean of the spheres' normals. If these cancel, as at a point of contact, the
+// normal of the first sphere is taken: a sum shorter than 1e-6 would have no reliable direction.
+void MeshPlacement::place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls,
+                          std::size_t vertex, IndexedMesh& mesh) const {
+  Vec3d sum{0, 0, 0}, first{0, 0, 0};
+  VertexSpheres label{kNoSphere, kNoSphere, kNoSphere};
+  for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
+    const Vec3d out = p - t_.balls[balls[k]].center;
+    sum = sum + (1 / norm(out)) * out;
+    if (k == 0) first = sum;
+    label[k] = t_.ids[balls[k]];
+  }
+  std::sort(label.begin(), label.end());
+  if (!(squared_norm(sum) > 1e-12)) sum = first;
+  mesh.positions[vertex] = unscaled(p);
+  mesh.normals[vertex] = cast<float>((1 / norm(sum)) * sum);
+  mesh.vertex_spheres.set(vertex, label);
+}
+
+}  // namespace vdwmesh
