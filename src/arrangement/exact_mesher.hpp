@@ -28,8 +28,9 @@
 
 namespace vdwmesh {
 
-// Which patches a CUDA device gets, if there is one. `balanced`: as many as it meshes while the
-// host's cores mesh the others; of few patches none. `all`: all of them.
+// Which patches a CUDA device gets, if there is one. `balanced` is the quickest: of few patches
+// none, of some thousand as many as it meshes while the host's cores mesh the others, of more all.
+// `all`: all of them, however few.
 enum class DeviceWork : std::uint8_t { balanced, all };
 
 struct ExactMeshOptions {

@@ -3,6 +3,7 @@
 #include "arrangement/mesher/bounded_patch.hpp"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -179,6 +180,22 @@ TEST(BoundedPatchFailures, NearlyDegenerateSets) {
   }
   EXPECT_GT(patches, 500u);
   EXPECT_GT(undecided, 0u);
+}
+
+// Few patches are for the host, many for the device, and between them cores leave it fewer.
+TEST(DeviceShare, DependsOnTheNumberOfPatchesAndOfCores) {
+  EXPECT_EQ(device_share(0), 0u);
+  EXPECT_EQ(device_share(1000), 0u);
+  EXPECT_EQ(device_share(100'000), 100'000u);
+  for (const std::size_t count : {2000u, 4556u, 16'000u}) {
+    std::size_t before = count;
+    for (const std::size_t cores : {1u, 2u, 4u, 8u}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, cores);
+      const std::size_t share = device_share(count);
+      EXPECT_LT(share, before) << count << " patches, cores " << cores;
+      before = share;
+    }
+  }
 }
 
 }  // namespace
