@@ -103,7 +103,7 @@ class BoundaryBuilder {
                     std::sqrt(shape.squared_circle_radius)};
     // On a circle as small as this, the positions of two corners may not give the angle between
     // them. kSmallCircle is a ratio of squared radii. It leaves more room than is_contact(), by
-    // which leave_out() decides.
+    // which is_left_out() decides.
     const bool small =
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
@@ -242,7 +242,7 @@ class BoundaryBuilder {
   // Replaces each set of joined corners by its member of lowest index, which is what
   // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
   // anew in the order of the arcs; corners in which no arc ends any more are dropped. Only pairs of
-  // joined_ count in `joins`, since leave_out() has counted the short arcs in `points`.
+  // joined_ count in `joins`, since leave_out_arcs() has counted the short arcs in `points`.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
