@@ -147,13 +147,13 @@ struct AccessibleSurface::LoopTable {
 
 AccessibleSurface::AccessibleSurface(const PowerTriangulation& triangulation,
                                      const DualComplex& complex, const BoundaryShapes& shapes,
-                                     double probe_radius_in, Monitor* monitor)
+                                     double probe_radius_in, double no_length, Monitor* monitor)
     : probe_radius(probe_radius_in),
       origin(middle_of(triangulation.balls)),
       triangulation_(triangulation),
       complex_(complex),
       shapes_(shapes) {
-  place_arcs();
+  place_arcs(no_length);
   advance(monitor, 0);
   gather_corners();
   list_sides();
@@ -164,7 +164,7 @@ AccessibleSurface::AccessibleSurface(const PowerTriangulation& triangulation,
   find_components();
 }
 
-void AccessibleSurface::place_arcs() {
+void AccessibleSurface::place_arcs(double no_length) {
   for (const ExposedArc& arc : exposed_arcs(triangulation_, complex_)) {
     const DualEdge& e = complex_.edges[arc.edge];
     if (!(e.singular && e.contact == Contact::touching)) exposed_.push_back(arc);
@@ -201,7 +201,7 @@ void AccessibleSurface::place_arcs() {
       arc_at_[corner[end]][static_cast<std::size_t>(slot)] = static_cast<std::uint32_t>(i);
     }
   });
-  drop_short_arcs(*this, exposed_, arcs);
+  drop_short_arcs(*this, exposed_, no_length, arcs);
 }
 
 // Numbers the probes in the order of their first corners, and lists the corners of each.

@@ -75,7 +75,8 @@ struct ComponentMeasures {
 class AccessibleSurface {
  public:
   AccessibleSurface(const PowerTriangulation& triangulation, const DualComplex& complex,
-                    const BoundaryShapes& shapes, double probe_radius, Monitor* monitor);
+                    const BoundaryShapes& shapes, double probe_radius, double no_length,
+                    Monitor* monitor);
 
   double probe_radius;
   Vec3d origin;
@@ -137,7 +138,7 @@ class AccessibleSurface {
     const CommonPoints& points = shapes_.corners(corner / 2);
     return corner % 2 == 0 ? points.above : points.below;
   }
-  void place_arcs();
+  void place_arcs(double no_length);
   void gather_corners();
   bool is_low(CornerIndex corner) const;
   void list_sides();

@@ -159,10 +159,10 @@ class PatchSums {
 
 class ExcludedSum {
  public:
-  ExcludedSum(const SphereSet& atoms, const ExcludedOptions& options)
+  ExcludedSum(const SphereSet& atoms, const ExcludedOptions& options, double no_length)
       : options_(options),
         atom_count_(atoms.size()),
-        grown_(atoms, options.probe, options.monitor),
+        grown_(atoms, options.probe, options.monitor, no_length),
         exponent_(grown_.exponent) {}
 
   ExcludedMeasures run() {
@@ -311,6 +311,20 @@ class ExcludedSum {
   const std::vector<double>& radius_ = grown_.radius;
 };
 
+bool is_certified(const ExcludedMeasures& m) {
+  return m.complete.checks.uncertified_patches == 0 &&
+         (!m.exterior || m.exterior->checks.uncertified_patches == 0);
+}
+
+// Corners some kNoLength apart may be gathered here and not there, so that patches around them do
+// not fit each other. Then all corners stay apart, and wide numbers decide between their probes.
+ExcludedMeasures measure_certified(const SphereSet& atoms, const ExcludedOptions& options) {
+  ExcludedMeasures gathered = ExcludedSum(atoms, options, kNoLength).run();
+  if (is_certified(gathered)) return gathered;
+  ExcludedMeasures apart = ExcludedSum(atoms, options, 0).run();
+  return is_certified(apart) ? apart : gathered;
+}
+
 }  // namespace
 
 ShellFigures shell_figures(const ExcludedTopology& topology) {
@@ -326,7 +340,7 @@ ShellFigures shell_figures(const ExcludedTopology& topology) {
 
 ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options) {
   begin_stage(options.monitor, "excluded surface", 1);
-  ExcludedMeasures out = ExcludedSum(atoms, options).run();
+  ExcludedMeasures out = measure_certified(atoms, options);
   advance(options.monitor, 1);
   for (const double value : {out.complete.area, out.complete.volume}) {
     if (!std::isfinite(value)) throw InvalidInput("a measure is not finite in double");

@@ -19,12 +19,12 @@ SphereSet grown_by(const SphereSet& atoms, double probe) {
   return SphereSet(std::move(balls));
 }
 
-GrownAtoms::GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor)
+GrownAtoms::GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor, double no_length)
     : triangulation(triangulate(grown_by(atoms, probe), monitor)),
       exponent(triangulation.scale_exponent),
       complex(dual_complex(triangulation, monitor)),
       shapes(triangulation, complex),
-      surface(triangulation, complex, shapes, std::ldexp(probe, -exponent), monitor) {
+      surface(triangulation, complex, shapes, std::ldexp(probe, -exponent), no_length, monitor) {
   for (const SphereId id : triangulation.ids) {
     radius.push_back(std::ldexp(atoms[id].radius, -exponent));
   }

@@ -14,8 +14,8 @@ namespace vdwmesh::excluded {
 SphereSet grown_by(const SphereSet& atoms, double probe);
 
 struct GrownAtoms {
-  // Throws as excluded_measures() does.
-  GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor);
+  // Arcs up to a (scaled) length of `no_length` are points. Throws as excluded_measures() does.
+  GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor, double no_length = kNoLength);
   GrownAtoms(const GrownAtoms&) = delete;  // `surface` looks at the other members
 
   const PowerTriangulation triangulation;

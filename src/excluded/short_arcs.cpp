@@ -103,13 +103,13 @@ bool is_one_point(const AccessibleSurface& surface, CornerIndex a, CornerIndex b
 }  // namespace
 
 void drop_short_arcs(const AccessibleSurface& surface, std::span<const ExposedArc> exposed,
-                     std::vector<RolledArc>& arcs) {
+                     double no_length, std::vector<RolledArc>& arcs) {
   bool any = false;
   for (std::size_t i = 0; i < arcs.size(); ++i) {
     RolledArc& arc = arcs[i];
     const double length = arc.angle * arc.circle_radius;
     arc.dropped =
-        exposed[i].start != kNoCorner && !(length >= kNoLength) && !(arc.angle >= kSmallAngle);
+        exposed[i].start != kNoCorner && !(length >= no_length) && !(arc.angle >= kSmallAngle);
     any = any || arc.dropped;
   }
   if (!any) return;

@@ -8,9 +8,9 @@
 
 namespace vdwmesh::excluded {
 
-// Sets `dropped` of all arcs (see kNoLength). `exposed` has the corners of each arc; circles and
-// angles of the arcs are known.
+// Sets `dropped` of all arcs shorter than `no_length` (see kNoLength). `exposed` has the corners of
+// each arc; circles and angles of the arcs are known.
 void drop_short_arcs(const AccessibleSurface& surface, std::span<const ExposedArc> exposed,
-                     std::vector<RolledArc>& arcs);
+                     double no_length, std::vector<RolledArc>& arcs);
 
 }  // namespace vdwmesh::excluded

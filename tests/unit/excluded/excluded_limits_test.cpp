@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
@@ -53,6 +54,35 @@ TEST(ExcludedLimits, SmallProbesTendToTheUnion) {
       const ExcludedSurface s = surface_of(atoms, probe);
       EXPECT_NEAR(s.area, u.area, kCreases * probe);
       EXPECT_NEAR(s.volume, u.volume, kCreases * probe * probe);
+    }
+  }
+}
+
+// Buckminsterfullerene of small atoms, moved by lengths about which corners are one point or not:
+// the measures are those of the cage in place, but for some times as much as it was moved.
+TEST(ExcludedLimits, FullerenesMovedByAHairAreThoseInPlace) {
+  constexpr double kMoved = 1e-8;
+  for (const auto& [bond, radius] : {std::pair{1.4, 0.8}, {1.45, 0.75}, {1.4, 1.0}, {1.45, 1.2}}) {
+    const std::vector<Sphere> cage = atoms_at(reference::fullerene(bond, bond), radius);
+    for (const double probe : {0.7, 1.4}) {
+      const ExcludedSurface in_place = surface_of(cage, probe);
+      for (const double move : {1e-12, 1e-11, 3e-11, 1e-10, 1e-9}) {
+        for (unsigned seed = 0; seed < 4; ++seed) {
+          SCOPED_TRACE(::testing::Message() << bond << ", " << radius << ", probe " << probe
+                                            << ", moved by " << move << ", seed " << seed);
+          Dice dice(seed);
+          std::vector<Sphere> moved = cage;
+          for (Sphere& s : moved) {
+            s.center = s.center + Vec3d{dice.real(-move, move), dice.real(-move, move),
+                                        dice.real(-move, move)};
+          }
+          const ExcludedSurface found = surface_of(moved, probe);
+          EXPECT_EQ(found.checks.uncertified_patches, 0u);
+          EXPECT_NEAR(found.area, in_place.area, kMoved * in_place.area);
+          EXPECT_NEAR(found.volume, in_place.volume, kMoved * in_place.volume);
+          EXPECT_EQ(found.euler_characteristic, in_place.euler_characteristic);
+        }
+      }
     }
   }
 }
