@@ -161,10 +161,15 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   // The arrows through tally.data() below only compute addresses in device memory.
   const DeviceArray<CountingTally> tally(1, stream.get());
   clear(tally, stream.get());
+  // Neighbours follow from the keys alone, and are found beside the counting.
+  neighbours_ = DeviceArray<TriangleNeighbours>(n, stream.get());
+  WorkBeside neighbours(stream.get());
+  find_triangle_neighbours(candidates_, neighbours_.data(), neighbours.stream());
   // n + 1 elements, the last of them 0: element n of their exclusive prefix sum is then the total.
   const DeviceArray<BrickSums> sums(n + 1, stream.get());
   check_cuda(cudaMemsetAsync(sums.data() + n, 0, sizeof(BrickSums), stream.get()), "scan");
   count_all({sums.data(), tally.data()->parts}, tally.data()->halo_parts);
+  neighbours.join();
   mark_end_of(Stage::count);
   counted_.before = DeviceArray<BrickSums>(n + 1, stream.get());
   run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -351,19 +356,15 @@ DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
 
 void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
-  const bool first = neighbours_.size() == 0;
-  if (first) {
-    neighbours_ = DeviceArray<TriangleNeighbours>(candidates_.count, stream.get());
-  }
-  // Vertices and triangles are made side by side: neither keeps the device busy to its end.
+  // Vertices and triangles are made side by side: neither keeps the device busy to its end. The
+  // vertices begin, because their warps take longer.
   WorkBeside triangles(stream.get());
-  if (first) find_triangle_neighbours(candidates_, neighbours_.data(), triangles.stream());
-  emit_triangles_on_device(counted_.list(), neighbours_, before_mesh_.data(), slab.bricks, mesh,
-                           emission_tally_.data(), triangles.stream());
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,
                         &emission_tally_.data()->clamped);
+  emit_triangles_on_device(counted_.list(), neighbours_, before_mesh_.data(), slab.bricks, mesh,
+                           emission_tally_.data(), triangles.stream());
   mark_end_of(Stage::vertices);
   triangles.join();
   mark_end_of(Stage::triangles);
