@@ -111,10 +111,10 @@ void make_excluded(const Structure& structure, const Options& options, Made& mad
 void write(Made& made, const Options& options, const Structure& structure, Session& session) {
   const std::string& path = options.mesh_path;
   begin_stage(session.monitor, "write", 1);
-  const SignalMonitor signals;
   Report& report = session.report;
   std::vector<std::string> warnings;
   const auto write_file = [&] {
+    const SignalMonitor signals;
     write_whole(path, [&] { warnings = write_mesh(made.built, path, &signals); });
   };
   MeshReport& result = *report.mesh;
