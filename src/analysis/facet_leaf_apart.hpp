@@ -10,11 +10,11 @@
 //
 // The bound. side_of() in facet_pair.hpp is certain of a side if the size of the computed volume
 // exceeds 16 ε Σ |w_i| m_i + kTiny, with w from the plane's first corner to the point. Here each
-// |w_i|, as computed, is at most the reach, the longest side of a box around both triangles, because
-// rounding keeps order. FacetLeaf::magnitude is Σ m_i and 2^-20 of that. The addition exceeds the
-// roundings of all sums and products here and in side_of(), also those below 2^-1022, for every m_i
-// is at least 2^-1000. A product with 16 ε may lose 2^-1075 of its own, and kTiny of side_of() is
-// 2^-1060; 2 kTiny is more than both. So a side that is certain here is certain there.
+// |w_i|, as computed, is at most the reach, the longest side of a box around both triangles,
+// because rounding keeps order. FacetLeaf::magnitude is Σ m_i and 2^-20 of that. The addition
+// exceeds the roundings of all sums and products here and in side_of(), also those below 2^-1022,
+// for every m_i is at least 2^-1000. A product with 16 ε may lose 2^-1075 of its own, and kTiny of
+// side_of() is 2^-1060; 2 kTiny is more than both. So a side that is certain here is certain there.
 //
 // Overflow: the computed volume and all parts of it are at most reach · magnitude. If they
 // overflow, so does this, and the bound; then, and for what is not a number, no comparison with the

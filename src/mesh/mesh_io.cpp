@@ -8,12 +8,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <system_error>
 
-#include "core/blocks.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
 #include "core/letters.hpp"
 #include "mesh/formats.hpp"
@@ -27,26 +29,40 @@ bool is_finite(const SurfaceMesh::Point& p) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
+bool is_deleted(const SurfaceMesh& mesh, std::size_t face) {
+  return mesh.status(OpenMesh::FaceHandle(static_cast<int>(face))).deleted();
+}
+
+bool is_sound(const SurfaceMesh& mesh, OpenMesh::VertexHandle v) {
+  return !mesh.status(v).deleted() && is_finite(mesh.point(v));
+}
+
+[[noreturn]] void refuse(const SurfaceMesh& mesh) {
+  for (const auto f : mesh.all_faces())
+    if (mesh.status(f).deleted())
+      throw InvalidInput(fmt::format("face {} is deleted: collect the garbage first", f.idx()));
+  const auto all = mesh.all_vertices();
+  const OpenMesh::VertexHandle v = *std::find_if(
+      all.begin(), all.end(), [&](OpenMesh::VertexHandle u) { return !is_sound(mesh, u); });
+  if (mesh.status(v).deleted())
+    throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", v.idx()));
+  const auto& p = mesh.point(v);
+  throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v.idx(), p[0], p[1], p[2]));
+}
+
 // Throws unless the mesh is as the writers of formats.hpp may assume: nothing is deleted, and all
 // coordinates are finite. OpenMesh only marks deleted elements; its garbage_collection() removes
-// them and renumbers the rest. Indices count deleted elements too.
+// them and renumbers the rest. all_faces() and all_vertices() visit deleted elements too. The loops
+// in parallel only find whether all is well; what is named is the first, for any number of threads.
 void check_writable(const SurfaceMesh& mesh) {
-  const auto face_deleted = [&](std::size_t f) {
-    return mesh.status(OpenMesh::FaceHandle(static_cast<int>(f))).deleted();
-  };
-  if (const auto f = first_of_all(mesh.n_faces(), face_deleted))
-    throw InvalidInput(fmt::format("face {} is deleted: collect the garbage first", *f));
-  const auto is_bad = [&](std::size_t i) {
-    const OpenMesh::VertexHandle v(static_cast<int>(i));
-    return mesh.status(v).deleted() || !is_finite(mesh.point(v));
-  };
-  const auto bad = first_of_all(mesh.n_vertices(), is_bad);
-  if (!bad) return;
-  const OpenMesh::VertexHandle v(static_cast<int>(*bad));
-  if (mesh.status(v).deleted())
-    throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", *bad));
-  const auto& p = mesh.point(v);
-  throw InvalidInput(fmt::format("vertex {} is at {} {} {}", *bad, p[0], p[1], p[2]));
+  std::atomic<bool> all_good = true;
+  for_each_index(mesh.n_faces(), [&](std::size_t f) {
+    if (is_deleted(mesh, f)) all_good = false;
+  });
+  for_each_index(mesh.n_vertices(), [&](std::size_t v) {
+    if (!is_sound(mesh, OpenMesh::VertexHandle(static_cast<int>(v)))) all_good = false;
+  });
+  if (!all_good) refuse(mesh);
 }
 
 void write(const SurfaceMesh& mesh, MeshFormat format, ByteSink& sink,
