@@ -10,4 +10,6 @@ auto isolate(const Work& work) {
   return work();
 }
 
+inline int max_concurrency() { return info::default_concurrency(); }
+
 }  // namespace tbb::this_task_arena
