@@ -139,7 +139,10 @@ class FeatureSizeSearch {
         if (try_sizes(sizes)) break;
       }
     }
-    if (!best_) throw LimitExceeded(refusal_);
+    // Together, so that all members know that all of them fail.
+    team_.together([&] {
+      if (!best_) throw LimitExceeded(refusal_);
+    });
     return *best_;
   }
 
