@@ -85,8 +85,8 @@ void Ranks::together(const std::function<void()>& work) const {
     failure = current_failure();
   }
   const int first = first_of(failure.cause != Cause::none);
-  if (first == kNobody) return;
-  all_failed_ = true;
+  all_failed_ = first != kNobody;
+  if (!all_failed_) return;
   failure.cause = cause_of(first, failure.cause);
   failure.message = text_of(first, failure.message);
   throw_failure(failure);

@@ -42,7 +42,8 @@ class Ranks {
   // " unless N is 0. Foreign exceptions become InternalError, std::bad_alloc stays what it is.
   // `work` must not call collective functions. Collective.
   void together(const std::function<void()>& work) const;
-  // Whether an exception has left together(), so that all ranks are on their way out.
+  // Whether an exception left the last together(). If it was not caught, all ranks are on their way
+  // out.
   bool all_failed() const { return all_failed_; }
 
   // The text of the lowest rank whose text is not empty, preceded by "rank N: " unless N is 0;
