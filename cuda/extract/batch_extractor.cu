@@ -65,14 +65,14 @@ struct RunFields {
 };
 
 void check_sizes(const std::vector<MeshSize>& before, const std::vector<double>& spacings,
-                 const ExtractOptions& options) {
+                 const ExtractOptions& options, std::size_t first_set) {
   for (std::size_t set = 0; set < spacings.size(); ++set) {
     const MeshSize size{before[set + 1].vertices - before[set].vertices,
                         before[set + 1].triangles - before[set].triangles};
     try {
       check_mesh_limits({size, batch_arrays(options), 0, spacings[set]}, kNoMemoryLimit);
     } catch (const Error&) {
-      throw_of_set(set);
+      throw_of_set(first_set + set);
     }
   }
   check_batch_memory(before.back(), batch_arrays(options), options.memory_limit);
@@ -145,7 +145,7 @@ class CudaBatchExtractor final : public BatchExtractor {
     StackExtraction made;
     try {
       const DeviceFieldStack stack(run_fields.fields, stream);
-      made = extract_stack_on_device(stack, all, stream);
+      made = extract_stack_on_device(stack, all, stream, run.begin);
     } catch (const DeviceMemoryExceeded&) {
       return false;
     }
@@ -157,7 +157,8 @@ class CudaBatchExtractor final : public BatchExtractor {
 }  // namespace
 
 StackExtraction extract_stack_on_device(const DeviceFieldStack& stack,
-                                        const ExtractOptions& options, const Stream& stream) {
+                                        const ExtractOptions& options, const Stream& stream,
+                                        std::size_t first_set) {
   const StackSource source(stack, stream);
   DeviceBrickMesher mesher(source, options);
   mesher.count();
@@ -167,7 +168,7 @@ StackExtraction extract_stack_on_device(const DeviceFieldStack& stack,
     const BrickSums& sums = by_layer[static_cast<std::size_t>(layer)];
     result.before.push_back({sums.vertices, sums.triangles});
   }
-  check_sizes(result.before, stack.spacings(), options);
+  check_sizes(result.before, stack.spacings(), options, first_set);
   result.meshes = mesher.emit_on_device();
   result.candidates = mesher.candidates();
   result.timings = mesher.timings();

@@ -1,6 +1,7 @@
 // The meshes of a stack of fields, extracted together into device memory.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "cuda/extract/fields.cuh"
@@ -16,9 +17,10 @@ struct StackExtraction {
 };
 
 // Counts all fields, then emits all. Throws LimitExceeded for the size of one mesh, with its number
-// in front of the message, and for the size of all; DeviceMemoryExceeded if the meshes do not fit
-// in options.device_memory or in what is free.
+// in front of the message, where the first field is number `first_set`, and for the size of all;
+// DeviceMemoryExceeded if the meshes do not fit in options.device_memory or in what is free.
 StackExtraction extract_stack_on_device(const DeviceFieldStack& stack,
-                                        const ExtractOptions& options, const Stream& stream);
+                                        const ExtractOptions& options, const Stream& stream,
+                                        std::size_t first_set = 0);
 
 }  // namespace vdwmesh
