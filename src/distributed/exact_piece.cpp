@@ -122,6 +122,7 @@ class FanParting {
     piece_.numbers.append(copies);
     const std::size_t own = piece_.numbers.own();
     piece_.whole.vertices = piece_.numbers.whole();
+    check_vertices();
     for (auto& of_rank : moved_) {
       for (MovedCorner& m : of_rank) m.vertex += piece_.numbers.runs().back().first;
     }
@@ -142,6 +143,7 @@ class FanParting {
     }
     sort_without_repeats(elsewhere);
     piece_.elsewhere.insert(piece_.elsewhere.end(), elsewhere.begin(), elsewhere.end());
+    check_vertices();
     for (const auto& of_rank : moved) {
       for (const MovedCorner& m : of_rank) {
         const std::size_t local = piece_.numbers.own_vertex(m.vertex).value_or(
@@ -150,6 +152,12 @@ class FanParting {
             static_cast<std::uint32_t>(local);
       }
     }
+  }
+
+  // Corners of triangles number the own vertices and those elsewhere in 32 bits.
+  void check_vertices() const {
+    if (piece_.numbers.own() + piece_.elsewhere.size() <= kMaxVertices) return;
+    throw LimitExceeded("the triangles of one rank have more than 2^32 vertices");
   }
 
   const Ranks& ranks_;
