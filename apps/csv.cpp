@@ -1,6 +1,6 @@
-// Fields as RFC 4180 quotes them, numbers as short as they may be, and tables of cells. A header is
-// a list of names of cells, so that the columns of a table and their order are one line of text,
-// and header and rows cannot differ.
+// Reads and writes CSV. Fields are quoted as in RFC 4180; numbers are the shortest that read back
+// the same. The header line of a table also chooses the cells of each row, by their names and in
+// their order, so header and rows always agree.
 #include "csv.hpp"
 
 #include <algorithm>
@@ -90,8 +90,8 @@ std::string csv_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : std::string();
 }
 
-// Cells that a row does not have stay empty, as a figure does that was not computed. `columns` is
-// the first line of the table; its names choose the cells of each row.
+// `columns` is the first line of the table; its names choose the cells of each row. A cell is empty
+// if the row has none of that name, for example because the figure was not computed.
 std::string csv_table(std::string_view columns, const std::vector<Cells>& rows) {
   std::string csv = std::string(columns) + '\n';
   for (const Cells& row : rows) {

@@ -47,6 +47,7 @@ void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per
   const SphereSet atoms = to_spheres(molecule, 0);
   ExcludedBatch found =
       make_excluded_measurer(Backend::cuda)->measure(batch_of(atoms), probe, session.monitor);
+  // `complete` is the surface with its cavities. `exterior` is left empty.
   ExcludedSurface& s =
       report.excluded.emplace(ExcludedMeasures{probe, surface_of(found, 0), {}}).complete;
   if (per_atom == Switch::on) s.per_atom = std::move(found.per_atom);
@@ -148,7 +149,8 @@ void compare_with_exterior(const IndexedMesh& mesh, const SphereSet& atoms,
   const ExcludedMeasures& exact = *report.excluded;
   const auto& topology = exact.complete.topology;
   if (!exact.exterior || !topology) return;
-  // A cavity is one even if its probes overlap those outside, so that its walls are no shell.
+  // Cavities are counted by components of the accessible surface, not by shells: if probes inside
+  // overlap probes outside, the cavity exists, but its walls are part of another shell.
   const auto cavities =
       std::ranges::count(topology->components, true, &AccessibleComponent::is_cavity);
   if (cavities == 0) return;

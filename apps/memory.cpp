@@ -1,6 +1,6 @@
 // Asks the kernel about memory: what is available, what the limits of the process's control groups
-// leave, and how much the process has used at most. What is not known, on a kernel without the file
-// or in a container that hides it, limits nothing.
+// leave, and how much the process has used at most. If a file of /proc or /sys/fs/cgroup is
+// missing, as in some containers, its limit does not count.
 #include "memory.hpp"
 
 #ifdef __GLIBC__
@@ -29,7 +29,7 @@ std::optional<std::uint64_t> available_memory() {
   return std::nullopt;
 }
 
-// Nothing for a file that is not there or says "max".
+// Returns the number in a file, or nothing if the file does not exist or says "max" (no limit).
 std::optional<std::uint64_t> read_bytes(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::uint64_t bytes = 0;

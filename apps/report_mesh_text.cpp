@@ -9,6 +9,7 @@
 namespace vdwmesh::apps {
 namespace {
 
+// The word for a property, "closed" for example, or "NOT closed".
 std::string yes_no(bool value, std::string_view noun) {
   return fmt::format("{}{}", value ? "" : "NOT ", noun);
 }
@@ -87,6 +88,7 @@ void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& 
   fmt::format_to(out, "\n");
   const MeshProof& proof = *comparison.proof;
   const char* surface = comparison.surface == ExactSurface::excluded ? "excluded surface" : "union";
+  // topology_is_exact is empty if the topology was not computed.
   const std::string topology = fmt::format(
       fmt::runtime(!proof.topology_is_exact ? "topology of the {} not computed"
                    : *proof.topology_is_exact

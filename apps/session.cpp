@@ -26,6 +26,7 @@ void VerbSession::end_progress() {
   progress_.reset();
 }
 
+// What was done last counts as the stage `write`.
 void VerbSession::stop_watch() {
   end_stage(&Timing::write);
   report.timing.total = clock.whole();

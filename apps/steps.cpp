@@ -1,6 +1,7 @@
-// The steps of the verbs, on the libraries: each does one thing, takes its time, and writes what it
-// found into the report of the session. What only explains figures, such as a fallback to the CPU
-// or a check that was left out, becomes a note; what may be wrong becomes a warning.
+// The steps of the verbs, on the libraries: each does one thing, measures how long it took, and
+// writes what it found into the report of the session. What only explains figures, such as a
+// fallback to the CPU or a check that was left out, becomes a note; what may be wrong becomes a
+// warning.
 #include "steps.hpp"
 
 #include <fmt/format.h>
@@ -35,8 +36,8 @@ int cpu_threads() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-// Returns how many devices make a mesh, and notes in the report if these are fewer than were asked
-// for. Only an extraction is shared among several devices.
+// Returns how many devices make the mesh, 0 if the CPU makes it. Notes in the report if these are
+// fewer than were asked for. Only an extraction is shared among several devices.
 int devices_for(const SurfaceOptions& surface, Session& session) {
   const MachineOptions& machine = session.machine;
   Report& report = session.report;
@@ -74,6 +75,7 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   extract.memory_limit = refine.memory_limit;
   extract.monitor = refine.monitor;
   extract.on_size = request.on_size;
+  // The report has 0 devices if the CPU makes the mesh; ExtractOptions wants at least 1.
   extract.devices = std::max(report.backend->devices, 1);
   refine.grid = grid;
   PipelineResult result = make_pipeline(report.backend->requested)->run(spheres, extract, refine);
@@ -90,8 +92,9 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   return std::move(result.mesh);
 }
 
-// Notes if the mesh has another topology than the union. The mesher makes points of arcs and
-// circles that are too small to have different coordinates, which may change the topology.
+// Notes if the mesh has another topology than the union. The mesher shrinks to a point each arc or
+// circle that is too small for its points to have different coordinates, and this may change the
+// topology.
 void note_other_topology(const ExactMeshStats& s, Report& report) {
   if (s.euler_difference == 0 && s.shell_difference == 0) return;
   report.notes.push_back(
@@ -134,6 +137,7 @@ ParametersReport describe_parameters(const SurfaceOptions& surface,
   const FieldModel model = make_field_model(surface.field, *grid);
   report.isovalue = model.isovalue;
   if (surface.field.kind == FieldKind::blinn && surface.field.preset == FieldPreset::radius_aware) {
+    // 2 is the default of FieldOptions::blobbiness.
     report.blobbiness = surface.field.blobbiness.value_or(2);
   }
   return report;
@@ -163,11 +167,11 @@ ExactMeshOptions exact_mesh_options(const SurfaceOptions& surface, std::uint64_t
 void describe_exact_mesh(const ExactMeshStats& stats, Report& report) {
   report.timing.extract = stats.seconds;
   report.mesh.emplace();
-  report.mesh->arrangement = stats;
+  report.mesh->arrangement = stats;  // the report's word for what the crease-exact mesher did
   note_other_topology(stats, report);
 }
 
-// The reason is of interest only where a device was possible and is not used.
+// Tells why no device is used only if the choice was automatic; who asks for the CPU knows why.
 BackendReport describe_backend(Backend requested, Backend used) {
   BackendReport report;
   report.requested = requested;

@@ -17,7 +17,8 @@
 namespace vdwmesh::apps {
 namespace {
 
-// All that a record holds, but for the times of the pipeline.
+// Measures a mesh and returns its record, which lacks only the times and the peak memory of the
+// pipeline.
 StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const StudyInput& input,
                      const StudyOptions& options, const Session& session) {
   begin_stage(session.monitor, "measure", 1);
@@ -71,8 +72,9 @@ class LevelRecorder {
       if (level > 0) run.seconds.refine = reached - extracted_;
       runs_.push_back(std::move(run));
     }
-    // What follows counts for the next level: its peak starts anew, and `reached` leaves out all
-    // the time that see() has taken so far.
+    // What measuring took does not count for the levels that follow: memory_ starts anew, while
+    // peak_ keeps the largest memory of the levels so far, and `reached` leaves out all the time
+    // that see() has taken so far.
     memory_ = {};
     observed_ = watch_.seconds() - reached;
   }

@@ -1,19 +1,19 @@
-// Finds the bricks that the surface may cross, by descending an octree from coarse to fine. A node
-// of the octree is a lattice block: 2^level bricks along each axis. ("Thread block" below is CUDA's
-// word.) Each level of the descent tests the eight children of every lattice block that the level
-// above has kept, with bounds on the field over the child's box: the tests of
-// extract/blended/block_bounds.hpp in float32. The children that pass are compacted into a list.
-// The bricks, which are the blocks of level 0, are marked among all bricks of the grid, and the
-// marks give the list in the order of keys; if there would be many times more marks than tested
-// bricks, they are compacted as on the other levels and sorted.
+// Finds the bricks that the surface may cross, by descending an octree from coarse to fine. The
+// elements of the octree are lattice blocks: 2^level bricks along each axis. ("Node" below is
+// always a node of the grid, "thread block" is CUDA's word.) Each level of the descent tests the
+// eight children of every lattice block that the level above has kept, with bounds on the field
+// over the child's box: the tests of extract/blended/block_bounds.hpp in float32. The children that
+// pass are compacted into a list. The bricks, which are the blocks of level 0, are marked among all
+// bricks of the grid, and the marks give the list in the order of keys. Where the grid has many
+// times more bricks than are tested, the kept ones are compacted as on other levels and sorted.
 //
 // One warp tests one parent. The warp gathers the spheres near the parent, and all eight children
 // are tested against them at once: four lanes per child, each of which takes every fourth sphere.
 // At the end the four lanes combine their results.
 //
-// Of a stack of fields (fields.cuh) all surfaces are searched at once. A block then has two
-// indices: its own within its field, which says where it lies, and that in the stack, which is in
-// its key.
+// Of a stack of fields (fields.cuh) all surfaces are searched at once. The grids of a stack stand
+// on each other along z. A block's key has its index in the stack. That index, less the layers
+// below the block's field, is its index in the field's own grid, which says where the block lies.
 //
 // A test may keep a block without surface, but it drops none that has some: all bounds are widened
 // by more than the rounding errors of float32. For blended fields FieldBounds does this (its
@@ -50,12 +50,12 @@ __device__ unsigned own_part() { return threadIdx.x % kWarp / kChildren; }
 struct NearSphere {
   float from[3];  // from the sphere's centre to the middle of the parent, Å
   float number;   // Test::number(): the radius (Å) for the union, the scale (1/Å²) for a field
-  Vec3d center;   // Å; sub-grids need it in double
+  Vec3d center;   // Å; plane_in_subgrid() needs it in double, for the thesis presets
 };
 
 // A warp's shared memory: the list places of gathered spheres, and the batch of up to 32 spheres
-// that is being tested. gather_by_warp() hands over places as soon as there are 32. It may have
-// added 32 to up to 31 by then, so `place` is twice as long.
+// that is being tested. gather_by_warp() hands over places as soon as there are 32. The lanes add
+// up to 32 places at once to the up to 31 that wait, so `place` is twice as long.
 struct Waiting {
   std::uint32_t place[2 * kWarp];
   NearSphere sphere[kWarp];
@@ -170,6 +170,7 @@ struct UnionTest {
   float largest = 0;  // the largest radius of all balls, Å
   bool touched = false, covered = false;
 
+  // The cell list sorts spheres into levels by reach; the union's spheres reach to their radius.
   __device__ explicit UnionTest(const FieldContext& f) {
     for (int l = 0; l < f.list.level_count; ++l) {
       largest = fmaxf(largest, __double2float_ru(f.list.levels[l].reach));
@@ -181,9 +182,9 @@ struct UnionTest {
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
     // near, far: the squared distances (Å²) of the nearest and of the farthest point of the box
-    // from the centre of the ball. extent (Å): the sum over the axes of `end` and |from_parent|. No
-    // coordinate that is rounded on the way is larger. This holds for NearSphere::from as well,
-    // because it is the difference of to_middle and from_parent.
+    // from the centre of the ball. extent (Å): the sum over the axes of `end` and |from_parent|. It
+    // is at least each coordinate that is rounded on the way: `end`, to_middle (at most `end`),
+    // from_parent, and NearSphere::from, the difference of to_middle and from_parent.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
@@ -290,7 +291,7 @@ __global__ void __launch_bounds__(kThreads, 6)
   const std::uint64_t i = thread_index() / kWarp;
   if (i >= count) return;
   const BrickIndex parent = brick_of_key(parents[i]);
-  const FieldOfBlock own = fields.of(parents[i], child_level + 1);
+  const FieldOfBlock own = fields.of(parents[i], child_level + 1);  // own(): index in its grid
   const FieldContext& f = own.field;
   const GridSpec& grid = f.model.grid;
   const BlockBox box =
@@ -327,9 +328,8 @@ void test_all_children(const Fields& fields, const KeyList& parents, int child_l
 }
 
 // Throws LimitExceeded if the kept blocks are more than `most`, the number of bricks that fit in
-// the memory allowed. On levels above 0 this limits the memory of the descent. The message gives
-// the number of kept blocks of this level, as an estimate: there are more bricks where blocks have
-// several of them.
+// the memory allowed. On levels above 0 this limits the memory of the descent. The message has the
+// number of kept blocks of this level; each may have several bricks with surface, or none.
 void check_kept(std::uint64_t count, std::uint64_t most) {
   if (count <= most) return;
   throw LimitExceeded("the surface crosses more than " + std::to_string(count) +
@@ -358,7 +358,7 @@ KeyList surviving_children(const Fields& fields, const KeyList& parents, int chi
   return result;
 }
 
-// The number of bricks along each axis among which those of the fields lie.
+// The number of bricks along each axis: of the field's grid, or of the whole stack.
 using BrickCount3 = std::array<std::int32_t, 3>;
 BrickCount3 bricks_of(const OneField& fields) {
   const Vec3i& cells = fields.context.model.grid.cells;
@@ -446,6 +446,7 @@ __global__ void list_stacked_blocks(FieldStack stack, std::uint64_t* keys) {
   const StackedField& field = stack.fields[blockIdx.x];
   const std::int64_t width = field.blocks[0], height = field.blocks[1];
   const std::int64_t count = width * height * field.blocks[2];
+  // The field's lowest layer, in blocks; in bricks it is a multiple of 2^first_level.
   const std::int32_t first = field.first_layer >> stack.first_level;
   for (std::int64_t i = threadIdx.x; i < count; i += blockDim.x) {
     keys[field.first_block + static_cast<std::uint64_t>(i)] = brick_key(

@@ -1,11 +1,11 @@
 // The crease-exact mesher with a CUDA device for its patches.
 //
 // The host triangulates the boundaries of all patches and settles which of their pieces are split.
-// The patches then go to the device in batches, as large as their memory allows. Two threads take
-// batches in turn, each with a stream of its own: while the device meshes one batch, another is
-// packed or travels. The host meshes what is left. The device keeps its patches until the host has
-// numbered all vertices; then it writes them into the mesh, batch by batch, and their part of the
-// mesh travels to the host.
+// The patches then go to the device in batches, as large as the free memory of the device allows: a
+// quarter of it for each. Two threads take batches in turn, each with a stream of its own: while
+// the device meshes one batch, another is packed or travels. The host meshes what is left. The
+// device keeps its patches until the host has numbered all vertices; then it writes them into the
+// mesh, batch by batch, and their part of the mesh travels to the host.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -79,7 +79,7 @@ std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t cou
   return places;
 }
 
-// What became of a patch, to its job.
+// Writes to the job what became of its patch. A patch that failed is left to the host.
 void report(const PatchOutcome& outcome, const PieceSplit* splits, PatchJob& job) {
   if (outcome.failure != PatchFailure::none) return;
   *job.mesh = {};
@@ -91,7 +91,8 @@ void report(const PatchOutcome& outcome, const PieceSplit* splits, PatchJob& job
   job.triangles = outcome.triangles;
 }
 
-// Meshes one batch and keeps the patches. `place_of_job` takes the place of each in the batch.
+// Meshes one batch and keeps the patches. For each job that is in the batch, its element of
+// `place_of_job` is set to its index there.
 KeptBatch mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which, HostRoom& room,
                      std::span<std::uint32_t> place_of_job, const Stream& stream) {
   const PatchBatch batch(jobs, which);
@@ -110,7 +111,8 @@ KeptBatch mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> wh
                stream);
   mesher::mesh_patches(patches.data(), count, {device_input.data(), work.data(), lattice.data()},
                        device_outcomes.data(), mesher::patches_per_warp(count), stream);
-  // The stream waits here and not in the transfer, which other threads may want meanwhile.
+  // Waits for the kernels before the transfer, not within it: a transfer holds the lock on the
+  // page-locked buffers, which the other thread may want meanwhile.
   stream.wait();
   PatchOutcome* const outcomes = room.outcomes.take(count);
   download_parts({{outcomes, device_outcomes.data(), device_outcomes.bytes()}}, stream);
@@ -228,8 +230,9 @@ void place_batch(const KeptBatch& kept, const PatchPlaces& all, std::size_t firs
   download_runs(runs_of(places, jobs), part, mesh, stream);
 }
 
-// Cuts the jobs that are for a device into batches of at most so many bytes, but of one job at
-// least. A batch has a run of jobs, but for those that are not for a device.
+// Lists the jobs that are for a device, in their order, in batches of at most `most_bytes` of work
+// memory and kPatchesOfBatch jobs. A job that needs more bytes is a batch alone. Jobs that are not
+// for a device, because their patches are large, are skipped: the host meshes them.
 std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
                                                    std::size_t most_bytes) {
   std::vector<std::size_t> bytes_of_job(jobs.size());  // 0: not for a device
@@ -285,6 +288,8 @@ class CudaPatchDevice final : public PatchDevice {
     const DeviceScope scope(device_);
     for_each_batch([&](std::size_t i, HostRoom&, const Stream& stream) {
       if (batches_[i].empty()) return;
+      // Places ascend by job and are of kept patches only, and the batches are disjoint ranges of
+      // jobs. So all places from the first to the last job of a batch are of this batch.
       const auto begin = std::ranges::lower_bound(all.places, batches_[i].front(), {},
                                                   &PatchPlace::job),
                  end =

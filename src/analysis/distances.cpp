@@ -9,8 +9,9 @@
 //  4. Surface to mesh: surface_to_mesh() takes points of spherical Fibonacci lattices on the
 //     patches, and MeshFinder finds the nearest triangle for each of them.
 //
-// Points on the borders of patches count for the maximum alone. No distance is measured for those
-// of them that cannot raise the maximum found so far, as in mesh_to_surface().
+// Points on the borders of patches count for the maximum alone, so a border point that cannot raise
+// the maximum found so far is not measured. mesh_to_surface() does the same with the vertices and
+// triangle centres of the mesh.
 //
 // Work is divided into blocks of fixed size. Each block has its own sums, which are joined in the
 // order of the blocks; histograms count integers. The result is therefore the same bit for bit for
@@ -63,8 +64,8 @@ DistanceStatistics from_mesh(const IndexedMesh& mesh, const SurfaceFinder& finde
   const auto find = [&](std::span<const Vec3d> points, double* found) {
     finder.find(points, found);
   };
-  const auto largest = [&](std::span<const Vec3d> points, double least) {
-    return finder.largest_distance(points, least);
+  const auto largest = [&](std::span<const Vec3d> points, double largest_so_far) {
+    return finder.largest_distance(points, largest_so_far);
   };
   return mesh_to_surface(mesh, {find, largest}, options);
 }
@@ -76,7 +77,8 @@ MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
   // Options and input that are refused are reported before the surface is built.
   const DistancePlan plan = plan_distances(mesh, spheres, options);
   const ExposedSurface surface(spheres, options.monitor);
-  // The search tree over the patches is freed before the one over the triangles is built.
+  // The search tree over the patches is freed before the one over the triangles is built. Both need
+  // plan.world, the box around mesh and balls together.
   const DistanceStatistics of_mesh = from_mesh(mesh, SurfaceFinder(surface, plan.world), options);
   const DistanceStatistics of_surface =
       surface_to_mesh(surface, MeshFinder(mesh, plan.world), plan.surface_density, options);

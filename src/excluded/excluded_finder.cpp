@@ -1,21 +1,26 @@
 // ExcludedFinder: signed distances to the excluded surface. The distance to the accessible surface
-// decides for most points; for the others the nearest crease or cusp is searched. The names σ, p, x
-// and z are those of the header.
+// decides for most points; for the others the nearest crease or cusp is searched. As in the header,
+// σ is the signed distance of a point to the accessible surface, p the probe's radius, x the
+// accessible point nearest to the point, and z the point at the distance p from x on the ray from x
+// through the point.
 //
-// How x is found, the accessible point nearest to a point q that some grown ball contains. The gap
-// of a ball of centre c and radius R is |q - c| - R. The foot of q on a ball is the point of its
-// sphere nearest to q. Claim: x is the foot of q on the ball of least gap, or x is on an arc.
-// Proof: suppose that x is in the interior of the patch of ball i. If q were outside of ball i, the
-// segment from q to x would stay outside of ball i. Just before x it would run inside of another
-// ball, because no accessible point is nearer than x. Then x would be on that ball's sphere too,
-// and thus on an arc. So q is inside of ball i, and x is its foot there. No other ball j contains
-// x, so |q - c_j| >= R_j - |q - x|: no gap is less than that of ball i. Therefore one test of that
-// foot and one search of all arcs find x.
+// A grown ball is an atom with the probe's radius added. A point is accessible if no grown ball has
+// it inside: a probe's centre can be there. Let q be a point inside of a grown ball, and x the
+// accessible point nearest to q. The gap of a ball of centre c and radius R is |q - c| - R. The
+// foot of q on a ball is the point of its sphere nearest to q. Claim: x is the foot of q on the
+// ball of least gap, or x is on an arc. Proof: suppose that x is in the interior of the patch of
+// ball i. The points of this sphere around x are accessible, so none of them is nearer to q than x;
+// hence x is the foot of q on ball i. If q were outside of ball i, the segment from q to its foot
+// would stay outside of ball i. Just before x it would run inside of another ball, because no
+// accessible point is nearer than x. Then x would be on that ball's sphere too, and thus on an arc.
+// So q is inside of ball i. No other ball j contains x, so |q - c_j| >= R_j - |q - x|: no gap is
+// less than that of ball i. Therefore one test of that foot and one search of all arcs find x.
 //
-// If only the outer region counts as accessible, a foot in a cavity is not x. A q in a cavity has x
-// on an arc as well: were x in the interior of a patch of ball i, q would be on the ray from x
-// through c_i, no farther than c_i, because else points of the patch around x are nearer; so q
-// would be inside of ball i.
+// For the exterior surface only points of the outer region count as accessible, and a foot in a
+// cavity is not x. Let q be in a cavity, outside of all balls. Claim: x is on an arc. Proof:
+// otherwise x is, as above, the foot of q on the ball i of its patch. Since q is outside of ball i,
+// the points just before x on the segment from q to x are outside of ball i too. They are in the
+// outer region, as x is on no other sphere, and nearer to q than x: a contradiction.
 //
 // Steps for one point, the cheapest test first:
 //  1. If the point is outside all grown balls, the distance is σ + p. If the foot on the ball of
@@ -44,8 +49,8 @@ double largest_radius(std::span<const Patch> patches) {
   return largest;
 }
 
-// The part of the box that lies in the world. The world contains every arc, but the box of an arc
-// may reach beyond it.
+// The part of the box that lies in `world`, a box around all grown balls and all query points.
+// `world` contains every arc, but the box of an arc may reach beyond it.
 Box within(Box box, const Box& world) {
   for (int axis = 0; axis < 3; ++axis) {
     box.lower[axis] = std::max(box.lower[axis], world.lower[axis]);
@@ -70,13 +75,14 @@ struct Searched {
   std::span<const CircleArc> curves;  // creases and cusps of the excluded surface
   std::span<const CircleArc> arcs;    // of the accessible surface
   double probe, tolerance;            // Å
-  const JudgedSurface& surface;
-  const SphereId* sphere_of;  // by list place
+  const JudgedSurface& surface;       // says which probes count: all, or those of the outer region
+  const SphereId* sphere_of;          // by list place
 };
 
-// Whether the foot of a point on the ball of least gap is a place of a probe that counts: then the
-// accessible surface is as far as the gap says. The centre of a ball has no foot; the arcs, which
-// are as far, decide about it.
+// Whether the ball of least gap alone gives σ: a probe that counts can stand at the point's foot on
+// that ball. Then σ is the least gap. If only some probes count, the answer for a ball's centre is
+// false, since it has no single foot. The search of the arcs then gives σ: if an arc that counts is
+// on the ball's sphere, it is as far as the gap says, like all of the sphere.
 bool is_decided(const Searched& s, const Vec3d& point, const LeastGap& least) {
   if (!is_settled(s.accessible, point, least)) return false;
   if (s.surface.includes_all()) return true;
@@ -137,9 +143,10 @@ bool is_beyond_probes(const Searched& s, const Vec3d& point, const NearestArc& n
   if (!(length > 0)) return true;
   const Vec3d z = x + (s.probe / length) * to;
   const LeastGap at_z = find_least_gap(s.accessible, z, least.patch);
-  // No probe reaches z if every accessible point is at least this far from z. None is nearer than
-  // minus the least gap. If z is decided, it has one at just that distance, or is accessible
-  // itself.
+  // No probe reaches z if every accessible point is at least this far from z. If z is inside of a
+  // ball, the least gap is negative, and no accessible point is nearer to z than -gap. If z is
+  // decided, some accessible point is at just this distance, or z is accessible itself; so a probe
+  // reaches z.
   const double out_of_reach = s.probe - s.tolerance;
   if (-at_z.gap >= out_of_reach) return true;
   if (is_decided(s, z, at_z)) return false;
@@ -153,7 +160,8 @@ double distance_of(const Searched& s, const Vec3d& point, const LeastGap& least,
                    std::uint32_t& hint) {
   const double to_atom = least.gap + s.probe;
   if (is_decided(s, point, least)) return to_atom;
-  // No accessible point is nearer than minus the gap. Rounding may give an arc a little less.
+  // No arc is nearer than |gap|: inside of a ball that is the depth, and for a point in a cavity no
+  // sphere is nearer. Rounding may give an arc a little less.
   const double squared_gap = least.gap * least.gap;
   const NearestArc nearest =
       nearest_arc(s, point, squared_gap, std::numeric_limits<double>::infinity(), hint);

@@ -1,10 +1,11 @@
 // Groups half-edges by edge with counting sorts, so without hashing and without a sort of all
-// edges. Four steps: check the indices and count the half-edges; group the half-edges by range of
-// smaller vertex (a parallel counting sort); within each range, sort by smaller vertex (a counting
-// sort that stays in cache), which makes a bucket of the half-edges of one smaller vertex; sort
-// each bucket by larger vertex. The result is in compressed-sparse-row form: all entries in one
-// array, and the end of each vertex's bucket in another. opposite_half_edges() pairs half-edges
-// with it; the analysis counts edges and their faces with it.
+// edges. The smaller vertex of a half-edge is its end of lower index. Four steps: check the indices
+// and count the half-edges; group the half-edges by range of 8192 smaller vertices (a parallel
+// counting sort); within each range, sort by smaller vertex (a counting sort that stays in cache),
+// which makes a bucket of the half-edges of one smaller vertex; sort each bucket by larger vertex.
+// The result is in compressed-sparse-row form: all entries in one array, and the end of each
+// vertex's bucket in another. opposite_half_edges() pairs half-edges with it; the analysis counts
+// edges and their faces with it.
 #include "mesh/edge_buckets.hpp"
 
 #include <fmt/format.h>
@@ -87,7 +88,7 @@ void for_each_side(const Triangle& triangle, Visit&& visit) {
 // triangles. The sum is associative, so a parallel reduction finds the first index of all for any
 // number of threads.
 struct IndexSurvey {
-  std::optional<std::size_t> invalid_index;   // first triangle with an index of no vertex: an error
+  std::optional<std::size_t> invalid_index;   // first triangle with an index too large: an error
   std::optional<std::size_t> repeated_index;  // first that names a vertex twice: no error here
   std::size_t half_edges = 0;                 // half-edges whose ends differ
 

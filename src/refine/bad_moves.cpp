@@ -53,7 +53,8 @@ struct BadMoves<Level>::Patch {
 
 template <class Level>
 bool BadMoves<Level>::mark() {
-  // The constructor has set the cells of the first pass. Without a grid there are none.
+  // For the first pass the constructor has filled dirty_. Without a grid, if the options allow
+  // crossings, dirty_ is empty.
   if (pass_ > 0 && grid_) find_dirty_cells<is_just_undone>();
   const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
@@ -182,9 +183,9 @@ struct BadMoves<Level>::CellPatches {
   }
 };
 
-// Takes the boxes of the patches of a cell. Returns a bound (Å) on the difference of any two
-// coordinates, along one axis, of vertices of these patches: the extents of all boxes together,
-// summed over the axes. length_of() adds the rounding of the boxes to float32.
+// Takes the boxes of the patches of a cell. Returns a length (Å) by which any two vertices of these
+// patches differ at most along each axis: the sum of the three sides of the box around all boxes.
+// length_of() adds the rounding of the boxes to float32.
 template <class Level>
 double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
   const auto listed = grid_->patches_in(cell);
@@ -203,8 +204,8 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
     }
     here.begins[j] = static_cast<std::uint8_t>(begins);
   }
-  // A sum, not a maximum: it is NaN if an axis is NaN. Then no plane keeps patches apart, and all
-  // pairs are tested.
+  // A side is NaN if both its ends are infinite. The sum is NaN then, which a maximum might not be;
+  // no plane keeps patches apart, and all pairs are tested.
   double reach = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) reach += grid_->length_of(lower[axis], upper[axis]);
   return reach;
@@ -212,8 +213,9 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
 
 // Takes the outlines of the patches of a cell, relative to a vertex of the first patch, so that no
 // coordinate exceeds `reach`. Decides also which patches need not be tested with themselves. If all
-// vertices have one atom, triangles_cross() reports no crossing, because the triangles share a
-// vertex, and mark_turned() judges them. Otherwise planes may keep the children apart.
+// vertices have one atom, triangles_cross() would report nothing: each two of the four children
+// share a vertex, and it leaves such pairs of one atom to mark_turned(). Otherwise planes may keep
+// the children apart.
 template <class Level>
 void BadMoves<Level>::take_outlines(std::size_t cell, double reach, CellPatches& here) const {
   const auto listed = grid_->patches_in(cell);
@@ -265,7 +267,8 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
       if (first + BoxLanes::kLanes > i) near &= (1u << (i - first)) - 1;
       for (; near != 0; near &= near - 1) {
         const std::size_t j = first + static_cast<std::size_t>(std::countr_zero(near));
-        // Along each axis, the first cell that both patches touch is the first cell of one of them.
+        // The pair is tested in the first cell that both patches touch, and in no other. That is
+        // the cell which, along each axis, is the first one of at least one of the two patches.
         if ((here.begins[i] | here.begins[j]) != kAllAxes) continue;
         // A plane through an edge of either patch may keep them apart.
         if (outline.template keeps_out<kVertices>(here.outlines[j])) continue;

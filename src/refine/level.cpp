@@ -4,7 +4,9 @@
 // parent's vertices to the front of the new arrays, writes the four children of each triangle,
 // makes one midpoint per edge, and takes bad moves back. A move of a vertex is bad if it turns a
 // triangle against its atom's outward normal or makes two triangles cross (refine/bad_moves.hpp).
-// project_given() does the projection and the taking back for the vertices of the given mesh.
+// If triangles are labelled with their spheres, no move is taken back: midpoints stay on the pieces
+// of their edges (constrained_midpoints.hpp). project_given() does the projection and the taking
+// back for the vertices of the given mesh.
 //
 // The code that takes moves back sees both cases through views, Midpoints and Given, which refer to
 // the meshes and own nothing (refine/level_view.hpp). All loops are parallel. Each turn of a loop
@@ -31,9 +33,9 @@
 namespace vdwmesh {
 namespace {
 
-// The Constraint (constrained_midpoints.hpp) of a mesh whose triangles are labelled with their
-// spheres. The pieces of the surface at an edge are the spheres of its two triangles. They are also
-// the label of the edge's midpoint.
+// What constrained_midpoints.hpp asks of a Constraint, for a mesh whose triangles are labelled with
+// a sphere each. The pieces of the surface at an edge are the spheres of its two triangles: two, or
+// one if they are the same. These spheres are also the label of the edge's midpoint.
 class SphereConstraint {
  public:
   SphereConstraint(const SphereSet& spheres, Projection projection)
@@ -80,6 +82,9 @@ MoveState put(const PlacedVertex& placed, std::size_t v, IndexedMesh& mesh) {
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                   const Midpoints& level, IndexedMesh& mesh,
                                   const RefineOptions& options) {
+  // The items of `level` are the parent's half-edges. handled_by_item() gives the number of its
+  // edge for the lower half-edge of an edge, and nothing for the upper one. midpoint_of() is the
+  // index of a vertex, middle_of() a position.
   const Sphere* balls = spheres.spheres().data();
   Buffer<MoveState> move_states(level.items() / 2);  // by edge: two half-edges each
   ProjectionStats stats =
@@ -121,7 +126,8 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
     Buffer<MoveState> move_states(mesh.vertex_count());
     const Buffer<std::uint64_t> squares = longest_edge_squares(mesh);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
-      // The squares come as the bits of doubles (vertex_moves.hpp).
+      // A vertex may move by at most the length of its longest edge. The squares come as the bits
+      // of doubles (vertex_moves.hpp).
       const double reach = std::sqrt(std::bit_cast<double>(squares[v]));
       move_states[v] = put(place_given(surface, positions[v], labels[v], reach, total), v, mesh);
     });

@@ -1,8 +1,10 @@
 // dual_complex(): decides for every simplex of the triangulation whether it is in the complex.
 //
 // The size of a simplex is the squared radius of the smallest sphere orthogonal to its balls;
-// size_sign() gives its sign. The simplex is attached if, at the centre of that sphere, a
-// neighbouring ball d has less power than the simplex's own balls: side_sign(..., d) is negative.
+// size_sign() gives its sign. The power of a point with respect to a ball is its squared distance
+// from the ball's centre less the squared radius. The simplex is attached if the power of that
+// sphere's centre is less with respect to a neighbouring ball d than with respect to the simplex's
+// own balls: side_sign(..., d) is negative.
 // By the rule for alpha complexes (Edelsbrunner and Mücke 1994, "Three-dimensional alpha shapes",
 // here weighted and with alpha = 0), a simplex is in the complex if
 // - it is a face of a larger simplex of the complex, or
@@ -29,8 +31,8 @@
 namespace vdwmesh {
 namespace {
 
-// A cell has six pairs of vertices. Bit p of a pair mask stands for kPairs[p]. kFacetPairs[k] holds
-// the three pairs on the facet opposite to vertex k.
+// A cell is a tetrahedron of the triangulation. It has six pairs of vertices. Bit p of a pair mask
+// stands for kPairs[p]. kFacetPairs[k] holds the three pairs on the facet opposite to vertex k.
 constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 constexpr std::uint8_t kAllPairs = 63;
@@ -45,10 +47,10 @@ std::size_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t valu
   return static_cast<std::size_t>(std::find(four.begin(), four.end(), value) - four.begin());
 }
 
-// A triangle that has an edge, in the row of the edge's lower ball. The entries of one edge follow
-// each other there, by ascending triangle.
+// Says that `triangle` has the edge from ball a to ball `upper`, where a < `upper`. The entry
+// stands in row a of rows_. The entries of one edge follow each other there, by ascending triangle.
 struct EdgeEntry {
-  std::uint32_t upper, triangle;  // the edge's upper ball
+  std::uint32_t upper, triangle;
   friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
 };
 
@@ -212,7 +214,8 @@ class Builder {
     add_edges_of_triangles();
   }
 
-  // The triangle of a facet, as yet without its edges; tells both its cells its number.
+  // The triangle of a facet, as yet without its edges. Writes the triangle's number into its two
+  // cells.
   DualTriangle triangle_at(const CellFacet& facet, std::uint32_t number) {
     const auto [c, k] = facet;
     const std::uint32_t n = t_.neighbors[c][k];
@@ -227,8 +230,8 @@ class Builder {
 
   // Numbers the edges of the triangles in the order in which triangle after triangle names them, so
   // that edges near in space are near in memory. The first entry of an edge in its row is the
-  // triangle that names it first. All their Contact is strict, whatever their size, which is not
-  // computed (DualEdge::contact); the word says nothing about the edge's balls here.
+  // triangle that names it first. These edges get Contact::strict without a test, as
+  // DualEdge::contact says. That does not make their balls strict (strict_).
   void add_edges_of_triangles() {
     // By 3 × triangle + its edge: whether no earlier triangle has that edge.
     std::vector<std::uint8_t> is_first(3 * out_.triangles.size(), 0);
@@ -256,8 +259,8 @@ class Builder {
     });
   }
 
-  // Calls visit(a, entries) for every edge of the triangles on all cores: its lower ball, and its
-  // entries in the row of this ball.
+  // Calls visit(a, entries), on all cores, for every edge that a triangle has: a is the edge's ball
+  // of lower index, and the entries, a part of row a, are the triangles that have the edge.
   template <class Visit>
   void for_each_edge(const Visit& visit) const {
     for_each_index(t_.balls.size(), [&](std::size_t ball) {
@@ -280,7 +283,8 @@ class Builder {
     return found != row.end() && found->upper == first.upper;
   }
 
-  // 3 × triangle + the place of the edge of ball a in it.
+  // 3 × triangle + m, where m is the place of the edge from ball a to entry.upper in the triangle:
+  // edge m is opposite to vertex m, so m is the vertex that is neither of the two.
   std::size_t place_of(std::uint32_t a, const EdgeEntry& entry) const {
     const auto& v = out_.triangles[entry.triangle].vertices;
     std::size_t m = 0;
@@ -303,8 +307,9 @@ class Builder {
     }
   }
 
-  // Lists edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If the
-  // edge is in a row, it belongs to a triangle of another cell around it.
+  // Lists edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If rows_
+  // has the edge, it is an edge of a triangle of the complex in another cell around it, and is
+  // listed already.
   void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b,
                      std::vector<SingularEdge>& found) {
     if (is_in_triangle(a, b) || !is_lowest_around(c, a, b)) return;
@@ -369,7 +374,7 @@ class Builder {
     }
     // 1 for vertices of cells. The other balls have no power cell, so they are not in the complex.
     std::vector<std::uint8_t> seen(t_.balls.size(), 0);
-    // Threads that look at cells of one open vertex may all find that it is settled.
+    // A copy, because other threads write `settled` while this loop reads it.
     const std::vector<std::uint8_t> was_settled = settled;
     for_each_cell([&](std::uint32_t c) {
       const auto& cell = t_.cells[c];

@@ -1,4 +1,5 @@
-// Places the exposed arcs of the dual complex in space and reduces those that are too small.
+// Computes centre, radius and angle of each exposed arc of the dual complex. Arcs that are too
+// small for coordinates in double become points, and whole circles that are too small vanish.
 //
 // Steps: (1) Each arc of exposed_arcs() gets the frame of its circle and its sweep, the angle that
 // it turns. Each corner is computed once, from its three spheres, and shared by its arcs. Arcs that
@@ -26,11 +27,11 @@
 namespace vdwmesh {
 namespace {
 
-// Corners are joined if two of them are closer than FeatureSizes::arc, relative to a radius. Pairs
-// form chains, so two corners of one set can be farther apart than that. An arc between corners of
-// one set counts as a point up to this multiple of FeatureSizes::arc. The factor is an allowance
-// for chains, not a proven bound. A longer arc stays: it is a loop from the merged corner to
-// itself.
+// Two corners are joined if they are no farther apart than FeatureSizes::arc times the radius of a
+// ball on which both lie. Pairs form chains, so two corners of one set can be farther apart than
+// that. An arc between corners of one set becomes a point if its length is at most kJoinAllowance
+// times FeatureSizes::arc times the larger radius of its two balls. The factor is an allowance for
+// chains, not a proven bound. A longer arc stays: it is a loop from the merged corner to itself.
 constexpr double kJoinAllowance = 4;
 
 // Builds the result step by step; run() lists the steps.
@@ -59,6 +60,8 @@ class BoundaryBuilder {
 
   // Step (1). Corners are numbered in the order in which the arcs name them.
   void place_arcs(const std::vector<ExposedArc>& exposed) {
+    // The corner in which an arc begins (even `end`) or ends (odd `end`). A whole circle has none:
+    // corner_of_.size() says so to number_first_named().
     const auto end_of_arc = [&](std::size_t end) -> std::size_t {
       const ExposedArc& arc = exposed[end / 2];
       return arc.start == kNoCorner ? corner_of_.size() : end % 2 == 0 ? arc.start : arc.end;
@@ -101,17 +104,18 @@ class BoundaryBuilder {
                     {},
                     0,
                     std::sqrt(shape.squared_circle_radius)};
-    // On a circle as small as this, the positions of two corners may not give the angle between
-    // them. kSmallCircle is a ratio of squared radii. It leaves more room than is_contact(), by
-    // which is_left_out() decides.
+    // On a small circle the corners are too near the centre for their positions to give the angle
+    // between them (arc_angle.hpp). kSmallCircle is a ratio of squared radii, so a circle is small
+    // up to 1e-3 of the radius of its smaller ball. That is far above FeatureSizes::circle, up to
+    // which is_left_out() drops a circle.
     const bool small =
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
     if (exposed.start == kNoCorner) {
       arc.sweep = 2 * std::numbers::pi;
-      // In lattices, circles touch each other in the directions of the coordinate axes. The first
-      // vertex of a whole circle is turned away from there by 1 rad, so that two circles have no
-      // vertex in the point where they touch.
+      // If atoms stand on a lattice, as in crystals, circles touch each other in the directions of
+      // the coordinate axes. The first vertex of a whole circle is turned away from there by 1 rad,
+      // so that two circles have no vertex in the point where they touch.
       out = std::cos(1.0) * out + std::sin(1.0) * cross(axis, out);
     } else {
       arc.ends = {corner_of_[exposed.start], corner_of_[exposed.end]};
@@ -163,8 +167,9 @@ class BoundaryBuilder {
   }
 
   // Whether an arc is too small. Both feature sizes refer to the lesser radius of its two balls. A
-  // whole circle that is a contact vanishes. An arc becomes a point if it is short, or if its
-  // circle is a contact, however far the arc turns.
+  // circle is a contact if its radius is at most FeatureSizes::circle times that: the two balls all
+  // but touch there. A whole circle that is a contact vanishes. An arc becomes a point if it is
+  // short, or if its circle is a contact, however far the arc turns.
   bool is_left_out(const BoundaryArc& arc) const {
     const double smaller_radius = std::min(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
     return out_.is_contact(arc.radius, smaller_radius) ||
@@ -241,8 +246,9 @@ class BoundaryBuilder {
 
   // Replaces each set of joined corners by its member of lowest index, which is what
   // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
-  // anew in the order of the arcs; corners in which no arc ends any more are dropped. Only pairs of
-  // joined_ count in `joins`, since leave_out_arcs() has counted the short arcs in `points`.
+  // anew in the order of the arcs; corners in which no arc ends any more are dropped. Of the
+  // corners, only pairs of joined_ count in `joins`, since leave_out_arcs() has counted the short
+  // arcs in `points`.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
@@ -255,6 +261,7 @@ class BoundaryBuilder {
     remove(arcs_with([&](const BoundaryArc& arc) { return is_point(arc, sets); }));
     // By old index of a corner: its new index, or kNoIndex if no arc ends there.
     std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
+    // As in place_arcs(), the ends of whole circles name nothing: number.size().
     const auto root_at = [&](std::size_t end) -> std::size_t {
       const BoundaryArc& arc = out_.arcs[end / 2];
       return arc.is_circle() ? number.size() : sets.find(arc.ends[end % 2]);
@@ -294,7 +301,7 @@ class BoundaryBuilder {
     }
     std::sort(gone.begin(), gone.end());
     remove(gone);
-    out_.joins += gone.size();
+    out_.joins += gone.size();  // BoundaryArcs::joins counts closed slits too
     out_.has_joined_corners = out_.has_joined_corners || !gone.empty();
     return !gone.empty();
   }

@@ -20,10 +20,13 @@ namespace vdwmesh {
 
 struct PatchOptions {
   double edge_length;  // wanted, as a fraction of the sphere's radius
+  // Whether triangles must be well shaped or only valid, and whether the patch or only its boundary
+  // is triangulated (patch_work.hpp).
   Demand demand = Demand::quality;
   PatchStage stage = PatchStage::triangles;
   Monitor* monitor = nullptr;  // asked now and then whether to stop
-  // Cosine of the widest angle under which a point that is inserted may see a piece.
+  // The cosine of the widest angle under which an inserted point may see a piece, a chord of the
+  // boundary. A point that sees it under a wider angle would make a flat triangle with it.
   double widest_view = kWidestView;
 };
 
@@ -37,8 +40,9 @@ struct PatchMesh {
   std::uint64_t exact_tests = 0;  // tests that double precision did not decide
 };
 
-// The points of mesh_sphere() without triangles, in another order, as unit vectors. Patches of a
-// molecule have few different edge lengths, so the points for some of them are cached.
+// Points spread evenly over the unit sphere, from which mesh_patch() takes interior points of a
+// patch. They are those of mesh_sphere(), in another order. Patches of a molecule have few
+// different edge lengths, so the points for some of them are cached.
 class SpherePoints {
  public:
   // How many parts an edge of the icosahedron is divided into. The points follow from it.
@@ -51,7 +55,9 @@ class SpherePoints {
     std::uint32_t parts = 0;
     std::vector<Vec3d> points;
   };
-  std::array<Kept, 8> kept_;  // by the number of parts of an edge, modulo 8; the last one stays
+  // By the number of parts of an edge, modulo 8. Of several numbers that fall into one element, it
+  // keeps the points for the one asked for last.
+  std::array<Kept, 8> kept_;
 };
 
 // A patch between two rounds of meshing: its boundary, and the triangulation of the boundary in the
@@ -77,10 +83,12 @@ struct PatchScratch : PatchWork<GrowingMemory> {
 // `progress` needs a boundary and may come from an earlier round; it is brought up to date for the
 // next one. Vertices of triangles are numbered as the points of this boundary.
 //
-// Precondition: at least one piece, and one cap that is larger than a point. Throws
+// Precondition: at least one piece, and one cap (the part of the sphere that another ball covers,
+// patch_boundary.hpp) that is more than a point, since the projection starts in a cap. Throws
 // CoincidentPoints (flat_boundary.hpp), Cancelled.
 PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options, PatchScratch& scratch);
-// Sorts requests, as PatchMesh has them: each piece once, with the most halvings asked for.
+// Sorts requests by descending piece, as PatchMesh has them, and keeps one for each piece: that
+// with the most halvings.
 void sort_requests(std::vector<PieceSplit>& splits);
 
 // Meshes a whole sphere: a subdivided icosahedron. All points are interior points. The edge length

@@ -1,14 +1,15 @@
 // A blended field on one brick, on the CPU: its values and signs at the nodes, and the vertices on
-// the crossed edges. Everything is computed in float32 relative to the brick's node 0, where
-// coordinates are small.
-// - A node's value is the sum over the brick's atoms, in list order, of a product of one term per
-//   axis. A term depends on the atom and on the absolute position of the node's plane, not on the
-//   brick. Neighbouring bricks gather different atoms, but an atom that only one of them gathers
-//   adds exactly 0 to each node that they share (field_reach()). So both bricks compute the same
-//   bits for these nodes.
+// the crossed edges. Everything is computed in float32, from differences of coordinates: these are
+// taken in double, and are small.
+// - A node's value is the sum over the brick's atoms, in the order of the cell list, of a product
+//   of one term per axis. A term comes from the difference of the node's plane and the atom's
+//   centre, so it is the same in every brick. Neighbouring bricks gather different atoms, but an
+//   atom that only one of them gathers adds exactly 0 to each node that they share (field_reach()).
+//   So both bricks compute the same bits for these nodes.
 // - A vertex is found by linear interpolation between the values at the ends of its edge. Its
 //   normal points against the gradient of the field at the vertex, and its label is the atom that
-//   contributes most there. Only the brick that owns the edge computes them.
+//   contributes most there. Both are computed with atoms relative to the brick's node 0, only in
+//   the brick that owns the edge.
 // The device counterparts are count_bricks.cu and emit_vertices.cu.
 #pragma once
 
@@ -33,8 +34,9 @@ struct BrickValues {
   float last[kBrickReach][kBrickReach];
 };
 
-// A Surface as brick_extraction.hpp asks for it. One object works for one thread: visit() moves it
-// to a brick, and the other functions compute the values, signs or vertices of that brick.
+// What the loops of brick_extraction.hpp take as their template argument Surface, for blended
+// fields. One object works for one thread: visit() moves it to a brick, and the other functions
+// compute the values, signs or vertices of that brick.
 template <BlendedKind Kind>
 class BlendedBrick {
  public:
@@ -72,8 +74,9 @@ class BlendedBrick {
   float isovalue_;
   BrickGeometry geometry_{};
   std::vector<LocalAtom> atoms_;  // the atoms that reach the brick
-  // The list place of each of them: its index in the cell list, where its rank and id stand. Equal
-  // contributions are decided by the rank.
+  // The list place of each of them: the index at which the cell list has the sphere, its id and its
+  // rank, the place in canonical_order(). Of atoms that contribute equally, the one of lowest rank
+  // gives the label.
   std::vector<std::uint32_t> places_;
 };
 
@@ -176,8 +179,8 @@ inline bool has_in_subgrid(const LocalAtom& a, const int node[3]) {
 // The vertex on an edge. The values at its two ends are summed again instead of stored. The
 // operations and their order are those of values(), so the bits are those from which the signs were
 // taken. A virtual node is outside even if its value is at least the isovalue; vertex_between()
-// then takes the outer end of the edge. If the gradient vanishes, outward_normal() returns the
-// direction of the edge.
+// then puts the vertex on the virtual node, the outside end of the edge. If the gradient vanishes,
+// outward_normal() returns the direction of the edge.
 template <BlendedKind Kind>
 EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   float inside = 0, outside = 0;

@@ -68,17 +68,17 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
 }
 
 // Throws InternalError; the message says that the surface leaves the brick for a neighbour that is
-// not in the list. The function is defined in brick_mesher.cpp, so that the loops of
-// multiversion.hpp, into which all inline functions are inlined, do not contain the formatting of
-// the message. Host only.
+// not in the list. The function is defined in brick_mesher.cpp, because loops that are compiled for
+// two processor generations (multiversion.hpp) get copies of everything inline that they call, and
+// would get the formatting of the message twice. Host only.
 [[noreturn]] void throw_missing_neighbour(const BrickIndex& brick);
 
 // Index in the list of the neighbour at `slot` (neighbour_slot()) of the brick with that key.
-// Precondition: some corners of cells of this brick that are also corners of the neighbour's cells
-// are inside and some are outside. Then the neighbour holds surface as well. The brick search keeps
-// every brick with surface, so the neighbour is in the list. Throws InternalError if it is not:
-// using another brick instead would silently produce a wrong mesh. Host only; the device has a
-// search of its own in emit_triangles.cu.
+// Precondition: of the nodes that are corners of cells of both bricks, some are inside and some are
+// outside. Then the surface crosses a cell of the neighbour too. The brick search keeps every brick
+// with surface, so the neighbour is in the list. Throws InternalError if it is not: using another
+// brick instead would silently produce a wrong mesh. Host only; the device has a search of its own
+// in emit_triangles.cu.
 inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
   const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
