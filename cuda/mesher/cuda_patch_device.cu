@@ -29,9 +29,6 @@ namespace {
 
 using mesher::GatherPlace;
 
-// The most patches of a batch: as many as fill a device.
-constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
-
 // An array of the host that is used for one batch after another, since the first write to a page
 // costs more than the others. It need not be page-locked: upload_parts() and download_parts() copy
 // through page-locked memory of their own.
@@ -230,30 +227,6 @@ void place_batch(const KeptBatch& kept, const PatchPlaces& all, std::size_t firs
   download_runs(runs_of(places, jobs), part, mesh, stream);
 }
 
-// Lists the jobs that are for a device, in their order, in batches of at most `most_bytes` of work
-// memory and kPatchesOfBatch jobs. A job that needs more bytes is a batch alone. Jobs that are not
-// for a device, because their patches are large, are skipped: the host meshes them.
-std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
-                                                   std::size_t most_bytes) {
-  std::vector<std::size_t> bytes_of_job(jobs.size());  // 0: not for a device
-  for_each_index(jobs.size(), [&](std::size_t j) {
-    const PatchSizes sizes = sizes_of(jobs[j]);
-    bytes_of_job[j] = is_for_device(sizes) ? work_bytes(sizes) : 0;
-  });
-  std::vector<std::vector<std::uint32_t>> batches;
-  std::size_t bytes = most_bytes;  // of the last batch; "full", so that the first job begins one
-  for (std::uint32_t j = 0; j < jobs.size(); ++j) {
-    if (bytes_of_job[j] == 0) continue;
-    if (bytes + bytes_of_job[j] > most_bytes || batches.back().size() == kPatchesOfBatch) {
-      batches.emplace_back();
-      bytes = 0;
-    }
-    bytes += bytes_of_job[j];
-    batches.back().push_back(j);
-  }
-  return batches;
-}
-
 // Computes on the device that is current where it is made, whatever thread calls it.
 class CudaPatchDevice final : public PatchDevice {
  public:
@@ -272,11 +245,9 @@ class CudaPatchDevice final : public PatchDevice {
     kept_.clear();
     jobs_ = jobs;
     place_of_job_.assign(jobs.size(), 0);
-    // Each of the two threads may take a quarter of what is free; inputs and results take less than
-    // the work memory.
     std::size_t free = 0, total = 0;
     check_cuda(cudaMemGetInfo(&free, &total), "memory");
-    batches_ = batches_of(jobs, free / 4);
+    batches_ = batches_of(jobs, free);
     kept_.resize(batches_.size());
     for_each_batch([&](std::size_t i, HostRoom& room, const Stream& stream) {
       kept_[i] = mesh_batch(jobs, batches_[i], room, place_of_job_, stream);

@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,15 @@ namespace {
 
 // Of all points a patch may have on a device, and of all parts of an icosahedron's edge.
 constexpr std::uint32_t kMostPoints = 2048, kMostParts = 64;
+
+// The most patches of a batch: as many as fill a device.
+constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
+
+// The most bytes that a device keeps of a patch: interior points, and triangles of all points.
+std::size_t most_kept_bytes(const PatchSizes& sizes) {
+  return sizes.most_points * sizeof(Vec3d) +
+         capacity(sizes, PatchArray::triangles) * sizeof(std::array<std::uint32_t, 3>);
+}
 
 double clamped_edge(const PatchJob& job) {
   return std::min(job.edge_length, triangulator::kLongestEdge);
@@ -49,6 +59,39 @@ PatchSizes sizes_of(const PatchJob& job) {
 }
 
 bool is_for_device(const PatchSizes& sizes) { return sizes.most_points <= kMostPoints; }
+
+// Each of the two batches that are under way takes a quarter of what results leave for its work
+// memory, and less than that for its input.
+std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
+                                                   std::size_t free_bytes) {
+  struct JobBytes {
+    std::size_t work, kept;
+  };
+  std::vector<JobBytes> bytes_of_job(jobs.size());  // work 0: not for a device
+  for_each_index(jobs.size(), [&](std::size_t j) {
+    const PatchSizes sizes = sizes_of(jobs[j]);
+    if (is_for_device(sizes)) bytes_of_job[j] = {work_bytes(sizes), most_kept_bytes(sizes)};
+  });
+  std::size_t kept = 0;
+  for (JobBytes& of_job : bytes_of_job) {
+    if (kept + of_job.kept > free_bytes / 2) of_job.work = 0;
+    if (of_job.work > 0) kept += of_job.kept;
+  }
+  const std::size_t most_bytes = (free_bytes - kept) / 4;
+  std::vector<std::vector<std::uint32_t>> batches;
+  std::size_t bytes = most_bytes;  // of the last batch; "full", so that the first job begins one
+  for (std::uint32_t j = 0; j < jobs.size(); ++j) {
+    const std::size_t work = bytes_of_job[j].work;
+    if (work == 0) continue;
+    if (bytes + work > most_bytes || batches.back().size() == kPatchesOfBatch) {
+      batches.emplace_back();
+      bytes = 0;
+    }
+    bytes += work;
+    batches.back().push_back(j);
+  }
+  return batches;
+}
 
 // Of some thousand patches as many as let the device and the host's cores end at the same time. The
 // figures are those of an H200 and its host (docs/exact_mesh.md): the device takes 18 ms for its

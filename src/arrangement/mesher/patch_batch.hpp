@@ -17,6 +17,12 @@ PatchSizes sizes_of(const PatchJob& job);
 // Whether a patch is for a device. A single thread meshes it, so it must not be large.
 bool is_for_device(const PatchSizes& sizes);
 
+// The batches in which a device with so many bytes of free memory meshes jobs, two at a time, while
+// it keeps the results of all. Half of the memory is for results at most; jobs beyond it are in no
+// batch, nor are those that are not for a device. A batch has one job at least.
+std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
+                                                   std::size_t free_bytes);
+
 // How many of so many patches a device gets (DeviceWork::balanced).
 std::size_t device_share(std::size_t count);
 

@@ -182,6 +182,35 @@ TEST(BoundedPatchFailures, NearlyDegenerateSets) {
   EXPECT_GT(undecided, 0u);
 }
 
+// What the device keeps of all batches leaves half of its memory for those under way; the host
+// meshes what would not fit.
+TEST(DeviceBatches, LeaveRoomForTheirResults) {
+  PatchProgress progress;
+  progress.boundary.points.resize(20);
+  const std::vector<PatchJob> jobs(
+      2000, PatchJob{&progress, 0.2, 1.0, Demand::quality, /*mesh=*/nullptr});
+  const PatchSizes sizes = sizes_of(jobs.front());
+  ASSERT_TRUE(is_for_device(sizes));
+  const std::size_t kept = sizes.most_points * sizeof(Vec3d);  // and triangles besides
+  std::size_t before = 0;
+  for (const std::size_t free : {std::size_t{0}, 400 * kept, 4000 * kept, 400'000 * kept}) {
+    SCOPED_TRACE(free);
+    std::size_t given = 0, largest = 0;
+    for (const std::vector<std::uint32_t>& batch : batches_of(jobs, free)) {
+      given += batch.size();
+      largest = std::max(largest, batch.size());
+      EXPECT_EQ(batch.back() + 1, given);
+    }
+    EXPECT_LE(given * kept, free / 2);
+    if (largest > 1) {
+      EXPECT_LE(given * kept + 4 * largest * work_bytes(sizes), free);
+    }
+    EXPECT_GE(given, before);
+    before = given;
+  }
+  EXPECT_EQ(before, jobs.size());
+}
+
 // Few patches are for the host, many for the device, and between them cores leave it fewer.
 TEST(DeviceShare, DependsOnTheNumberOfPatchesAndOfCores) {
   EXPECT_EQ(device_share(0), 0u);
