@@ -130,9 +130,8 @@ std::vector<Option> input_options(Draft& d) {
       {"--assembly", kStructures, one(r.assembly, text("NAME", {"asymmetric"})),
        "biological assembly of the file, such as 1", by_default("asymmetric")},
       {"--select", kStructures, one(r.select, text("SELECTION")),
-       "only these atoms, such as A (a chain), A/10-40 (residues), A/10/CA or (HEM): a selection "
-       "of "
-       "gemmi, after the water rule",
+       "only these atoms, such as A (a chain), A/10-40 (residues), A/10/CA or (HEM): "
+       "a selection of gemmi, after the water rule",
        otherwise("everything")},
       {"--altloc", kStructures, one(r.altloc, text("LABEL", {"highest"})),
        "alternate locations: highest, or a label", by_default("highest")},

@@ -39,8 +39,8 @@ __global__ void gather(const PatchOutcome* outcomes, const GatherPlace* places, 
   copy_by_warp(from.first_split, from.splits, to.splits + places[i].split, lane);
 }
 
-// A warp for each patch. The operations are those of the host (UnionMesher::place_patch), so the
-// bits are.
+// A warp for each patch. The operations are those of the host (MeshPlacement::place_patch()), so
+// the bits are.
 __global__ void place(const PlacedPatch* patches, std::uint32_t count, GatheredPatches from,
                       const std::uint32_t* boundary_vertices, double unit, DeviceMeshView to) {
   const std::uint64_t i = thread_index() / 32;

@@ -1,17 +1,13 @@
 // PowerCellIn<Room>::cut(): removes a half-space from the cell. Included by power_cell.hpp alone.
 //
 // 1. measure_depths() finds how far every vertex lies beyond the plane, kStep vertices at a time.
-// Most
-//    planes of a ball with many neighbours cut nothing off; then this is the only step.
+//    Most planes of a ball with many neighbours cut nothing off; then this is the only step.
 // 2. find_removed() lists the vertices beyond the plane, and the border: the edges that lead from
-// one
-//    of them to a vertex that stays. On each of these edges lies one vertex of the new face.
+//    one of them to a vertex that stays. On each of these edges lies one vertex of the new face.
 // 3. make_vertices() computes the new vertices. It puts them into slots that were free before this
-// cut,
-//    because the removed vertices are still read.
+//    cut, because the removed vertices are still read.
 // 4. link_vertices() links the new vertices to a ring: two of them are neighbours if they share an
-// old
-//    plane beside the new one.
+//    old plane beside the new one.
 // 5. free_removed() frees the slots of the removed vertices.
 #pragma once
 
@@ -149,8 +145,7 @@ VDWMESH_INLINE bool PowerCellIn<Room>::find_removed(const Cap& cap) {
 // - If the plane is also nearly parallel to a plane of the vertex, rounding decides where the two
 //   planes cross, and that may be inside the ball wherever the vertex is (kParallelPlanes).
 // - If the plane nearly contains an edge, three circles may meet in a corner of the patch. That
-// does
-//   not affect area and volume (kAlongEdge).
+//   does not affect area and volume (kAlongEdge).
 // - If even the vertex of least depth nearly lies on the plane, the plane removes nearly all of the
 //   cell, or all of it by little (kVanishing).
 template <class Room>

@@ -41,8 +41,8 @@ class MeshTeam {
   // How many processes there are, and the number of this one, from 0.
   virtual std::size_t count() const = 0;
   virtual std::size_t number() const = 0;
-  // Does `work`, which calls no function of the team, in all processes. If it throws in one, all
-  // throw that exception.
+  // Does `work`, which calls no function of the team but count() and number(), in all processes.
+  // If it throws in one, all throw that exception.
   virtual void together(const std::function<void()>& work) const = 0;
   // The requests of all processes, sorted by piece, each piece once (merge_splits()).
   virtual void merge(std::vector<PieceSplit>& splits) const = 0;
