@@ -94,10 +94,11 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
 }
 
 // Of some thousand patches as many as let the device and the host's cores end at the same time. The
-// figures are those of an H200 and its host (docs/exact_mesh.md): the device takes 18 ms for its
-// slowest patch and one more for every 420; a core meshes 7.5 in a millisecond. Of more patches
-// all, since the cores then pack batches while the device meshes others: of 165,126, sharing took
-// 0.53 s and not sharing 0.47. Fewer than 1,024 are not worth the transfer.
+// figures are those of an H200 and 16 cores of its host (docs/exact_mesh.md): the device takes 18
+// ms for its slowest patch and one more for every 420, which are 65,536 patches in 156 ms; a core
+// meshes 7.5 in a millisecond, 16 of them the 65,536 in 541 ms. Of more patches all, since the
+// cores then pack batches while the device meshes others: of 165,126, the first round took 0.47 s
+// so, and 0.53 s when they were shared. Fewer than 1,024 are not worth the transfer.
 std::size_t device_share(std::size_t count) {
   constexpr std::size_t kFew = 1024, kMany = 16384;
   constexpr double kSlowest = 18, kOfDevice = 420, kOfCore = 7.5;
