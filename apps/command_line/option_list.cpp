@@ -157,10 +157,10 @@ std::vector<Option> surface_options(Draft& d) {
        by_default("vdw")},
       {"--mesher", kSurfaces | kRanksMesh, one(d.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
-       d.verb == kRanksMesh
-           ? by_default("marching-cubes")
-           : otherwise(
-                 "exact; marching-cubes with --spacing, --padding, --preset or a blended --field")},
+       otherwise(
+           d.verb == kRanksMesh
+               ? "marching-cubes; exact with an edge length"
+               : "exact; marching-cubes with --spacing, --padding, --preset or a blended --field")},
       {"--edge-length", kSurfaces | kRanksMesh, one(s.edge_length, length("0.35")),
        "length of the mesh's edges; marching cubes take --spacing instead", by_default("0.35")},
       {"--relative-edge", kSurfaces | kRanksMesh,
