@@ -157,7 +157,7 @@ class Meshes(RanksTest):
 
     def test_crease_exact_with_lengths_of_atoms(self):
         """The first rank alone knows the atoms."""
-        self.assert_same_file(UBIQUITIN, *self.EXACT, "--edge-length-of", "element O", "0.3", ranks=(2,))
+        self.assert_same_file(UBIQUITIN, *self.EXACT, "--edge-length-of", "A/10-40=0.3", ranks=(2,))
 
     def test_crease_exact_levels(self):
         for level, ranks in ((1, (1, 2, 3, 5, 7)), (2, (2, 7))):
