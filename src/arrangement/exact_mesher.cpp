@@ -238,7 +238,7 @@ class OneProcess final : public MeshTeam {
   void merge(std::vector<PieceSplit>&) const override {}
   std::uint32_t least(std::uint32_t mine) const override { return mine; }
   std::uint64_t sum(std::uint64_t mine) const override { return mine; }
-  void take(MeshPiece&& piece, std::uint64_t joined_corners) override {
+  void take(UnnumberedPiece&& piece, std::uint64_t joined_corners) override {
     taken_ = std::move(piece.mesh);
     if (joined_corners > 0) split_fans(joined_corners, taken_);
   }

@@ -184,7 +184,7 @@ class AllRanks final : public MeshTeam {
     splits = std::move(all);
   }
 
-  void take(MeshPiece&& piece, std::uint64_t joined_corners) override {
+  void take(UnnumberedPiece&& piece, std::uint64_t joined_corners) override {
     taken_ = SurfacePiece();
     taken_.numbers = VertexNumbers(number());
     for (const std::uint64_t own : piece.own) taken_.numbers.append(ranks_.of_all(own));

@@ -14,7 +14,8 @@
 
 namespace vdwmesh {
 
-// What one rank makes of a surface: some vertices and triangles of the whole mesh.
+// What one rank makes of a surface: some vertices and triangles of the whole mesh, with their
+// numbers in it.
 struct SurfacePiece {
   MeshSize whole;                    // of the mesh of all ranks
   std::uint64_t first_triangle = 0;  // the number of triangles[0] in the whole mesh

@@ -17,8 +17,8 @@
 namespace vdwmesh {
 
 // Vertices of arcs and corners have the numbers that the sampling has given them. In the piece, the
-// corners of the share come first, then the points of its arcs (MeshPiece). The mesh needs room for
-// all, and kPatchArrays. Keeps references to its arguments.
+// corners of the share come first, then the points of its arcs (UnnumberedPiece). The mesh needs
+// room for all, and kPatchArrays. Keeps references to its arguments.
 class MeshPlacement {
  public:
   MeshPlacement(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,

@@ -17,11 +17,12 @@
 
 namespace vdwmesh {
 
-// What one process makes of a mesh: its runs of corners, of points of arcs and of interior points
-// are its own vertices, in this order, and it has the triangles of its patches. In the whole mesh
-// all corners come first, then the points of all arcs, then the interior points; of each kind, the
-// runs of the processes stand behind each other.
-struct MeshPiece {
+// What one process makes of a mesh, before its vertices have their numbers in the whole. Its own
+// vertices are its runs of corners, of points of arcs and of interior points, in this order, and it
+// has the triangles of its patches. In the whole mesh all corners come first, then the points of
+// all arcs, then the interior points; of each kind, the runs of the processes stand behind each
+// other.
+struct UnnumberedPiece {
   // A corner of a triangle below the number n of own vertices is one of them, and corner n + i is
   // the vertex elsewhere[i] of another process.
   IndexedMesh mesh;
@@ -51,7 +52,7 @@ class MeshTeam {
 
   // Takes a mesh that was made, in place of the one taken before. If corners were joined, the fans
   // of triangles at its first `joined_corners` vertices are parted (split_fans()).
-  virtual void take(MeshPiece&& piece, std::uint64_t joined_corners) = 0;
+  virtual void take(UnnumberedPiece&& piece, std::uint64_t joined_corners) = 0;
   // Of the mesh taken last.
   virtual SurfaceTopology topology() const = 0;
   // Makes the mesh taken last the result.

@@ -99,7 +99,7 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
 // meshes 7.5 in a millisecond, 16 of them the 65,536 in 541 ms. Of more patches all, since the
 // cores then pack batches while the device meshes others: of 165,126, the first round took 0.47 s
 // so, and 0.53 s when they were shared. Fewer than 1,024 are not worth the transfer.
-std::size_t device_share(std::size_t count) {
+std::size_t patches_for_device(std::size_t count) {
   constexpr std::size_t kFew = 1024, kMany = 16384;
   constexpr double kSlowest = 18, kOfDevice = 420, kOfCore = 7.5;
   if (count < kFew) return 0;

@@ -24,7 +24,7 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
                                                    std::size_t free_bytes);
 
 // How many of so many patches a device gets (DeviceWork::balanced).
-std::size_t device_share(std::size_t count);
+std::size_t patches_for_device(std::size_t count);
 
 class PatchBatch {
  public:

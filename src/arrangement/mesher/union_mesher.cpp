@@ -93,7 +93,7 @@ class UnionMesher {
       check_memory(share_, extents, count_pieces() / team_.count(), options_);
     });
     mesh_patches();
-    MeshPiece piece;
+    UnnumberedPiece piece;
     team_.together([&] {
       sampling_.number_vertices();
       assemble(piece);
@@ -279,8 +279,9 @@ class UnionMesher {
           const PatchProgress* const progress = progress_[balls[i]].get();
           if (progress && progress->is_triangulated) found.push_back(balls[i]);
         });
-    const std::size_t given =
-        options_.device_work == DeviceWork::all ? bounded.size() : device_share(bounded.size());
+    const std::size_t given = options_.device_work == DeviceWork::all
+                                  ? bounded.size()
+                                  : patches_for_device(bounded.size());
     if (given == 0) return balls;
     jobs_.resize(given);
     for_each_index(given, [&](std::size_t i) {
@@ -394,7 +395,7 @@ class UnionMesher {
   // patches of other processes are empty here. Every ball writes to index ranges of its own, from
   // first_vertex and first_triangle on, so balls run in parallel. A patch is freed once it is
   // copied. The device writes what it has kept, while the host writes the rest.
-  void assemble(MeshPiece& piece) {
+  void assemble(UnnumberedPiece& piece) {
     IndexedMesh& mesh = piece.mesh;
     MeshPlacement placement(t_, boundary_, sampling_, index_, share_);
     std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),

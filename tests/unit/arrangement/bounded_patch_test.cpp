@@ -212,17 +212,17 @@ TEST(DeviceBatches, LeaveRoomForTheirResults) {
 }
 
 // Few patches are for the host, many for the device, and between them cores leave it fewer.
-TEST(DeviceShare, DependsOnTheNumberOfPatchesAndOfCores) {
-  EXPECT_EQ(device_share(0), 0u);
-  EXPECT_EQ(device_share(1000), 0u);
-  EXPECT_EQ(device_share(100'000), 100'000u);
+TEST(PatchesForDevice, DependsOnTheNumberOfPatchesAndOfCores) {
+  EXPECT_EQ(patches_for_device(0), 0u);
+  EXPECT_EQ(patches_for_device(1000), 0u);
+  EXPECT_EQ(patches_for_device(100'000), 100'000u);
   for (const std::size_t count : {2000u, 4556u, 16'000u}) {
     std::size_t before = count;
     for (const std::size_t cores : {1u, 2u, 4u, 8u}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, cores);
-      const std::size_t share = device_share(count);
-      EXPECT_LT(share, before) << count << " patches, cores " << cores;
-      before = share;
+      const std::size_t given = patches_for_device(count);
+      EXPECT_LT(given, before) << count << " patches, cores " << cores;
+      before = given;
     }
   }
 }
