@@ -107,7 +107,7 @@ void append(BatchExtraction& result, const StackExtraction& made,
   ExtractStats stats = made.stats;
   stats.slabs = 1;
   stats.download_seconds = static_cast<double>(clock.lap()) * 1e-3;
-  add(result.stats, stats);
+  result.stats += stats;
 }
 
 class CudaBatchExtractor final : public BatchExtractor {

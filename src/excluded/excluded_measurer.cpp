@@ -26,26 +26,27 @@ struct SetSum {
   std::int64_t sixths = 0;
   ExcludedCounts counts{};
 
-  void add(const ChunkSum& c) {
-    contact.add(c.row.contact);
-    saddle.add(c.row.saddle);
-    concave.add(c.row.concave);
-    volume.add(c.row.volume);
-    contact_layer.add(c.contact_layer);
-    saddle_layer.add(c.saddle_layer);
-    x.add(c.normal.x);
-    y.add(c.normal.y);
-    z.add(c.normal.z);
-    flux.add(c.flux);
-    creases += c.creases;
-    sixths += c.sixths;
-    counts.arcs += c.counts.arcs;
-    counts.whole_rings += c.counts.rings;
-    counts.spindle_saddles += c.counts.spindles;
-    counts.cusps += c.counts.cusps;
-    counts.probes += c.counts.probes;
-    counts.low_probes += c.counts.low_probes;
-    counts.crease_arcs += c.counts.crease_arcs;
+  void add(const ChunkSum& sum) {
+    const auto& [row, check] = sum;
+    contact.add(row.contact);
+    saddle.add(row.saddle);
+    concave.add(row.concave);
+    volume.add(row.volume);
+    contact_layer.add(check.contact_layer);
+    saddle_layer.add(check.saddle_layer);
+    x.add(check.normal.x);
+    y.add(check.normal.y);
+    z.add(check.normal.z);
+    flux.add(check.flux);
+    creases += check.creases;
+    sixths += check.sixths;
+    counts.arcs += check.counts.arcs;
+    counts.whole_rings += check.counts.rings;
+    counts.spindle_saddles += check.counts.spindles;
+    counts.cusps += check.counts.cusps;
+    counts.probes += check.counts.probes;
+    counts.low_probes += check.counts.low_probes;
+    counts.crease_arcs += check.counts.crease_arcs;
   }
 
   ExcludedTotals totals(const SphereMeasures& grown) const {

@@ -108,7 +108,7 @@ void append_one_by_one(BatchExtraction& result, const ExtractBatch& batch, const
     result.before.push_back(
         {last.vertices + one.mesh.vertex_count(), last.triangles + one.mesh.triangle_count()});
     result.grids.push_back(one.grid);
-    add(result.stats, one.stats);
+    result.stats += one.stats;
     advance(options.monitor, 1);
   }
 }
@@ -116,17 +116,6 @@ void append_one_by_one(BatchExtraction& result, const ExtractBatch& batch, const
 const GridOptions& grid_of_set(const ExtractBatch& batch, const ExtractOptions& options,
                                std::size_t set) {
   return batch.grids.empty() ? options.grid : batch.grids[set];
-}
-
-void add(ExtractStats& sum, const ExtractStats& more) {
-  sum.surface_bricks += more.surface_bricks;
-  sum.clamped_vertices += more.clamped_vertices;
-  sum.grid_clipped += more.grid_clipped;
-  sum.unmatched_faces += more.unmatched_faces;
-  sum.slabs += more.slabs;
-  sum.field_seconds += more.field_seconds;
-  sum.extract_seconds += more.extract_seconds;
-  sum.download_seconds += more.download_seconds;
 }
 
 void check_batch_memory(const MeshSize& size, const MeshArrays& arrays,

@@ -88,9 +88,6 @@ void append_one_by_one(BatchExtraction& result, const ExtractBatch& batch, const
 const GridOptions& grid_of_set(const ExtractBatch& batch, const ExtractOptions& options,
                                std::size_t set);
 
-// Adds counts and times.
-void add(ExtractStats& sum, const ExtractStats& more);
-
 // Throws LimitExceeded if meshes of this size together take more than `memory_limit` bytes.
 void check_batch_memory(const MeshSize& size, const MeshArrays& arrays, std::uint64_t memory_limit);
 

@@ -46,6 +46,18 @@ struct ExtractStats {
   double field_seconds = 0;     // search for bricks, node signs and counts
   double extract_seconds = 0;   // making vertices and triangles
   double download_seconds = 0;  // copies from the device; 0 on the CPU
+
+  ExtractStats& operator+=(const ExtractStats& other) {
+    surface_bricks += other.surface_bricks;
+    clamped_vertices += other.clamped_vertices;
+    grid_clipped += other.grid_clipped;
+    unmatched_faces += other.unmatched_faces;
+    slabs += other.slabs;
+    field_seconds += other.field_seconds;
+    extract_seconds += other.extract_seconds;
+    download_seconds += other.download_seconds;
+    return *this;
+  }
 };
 
 struct ExtractResult {

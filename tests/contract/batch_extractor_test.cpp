@@ -90,7 +90,7 @@ class BatchExtractorContract : public ExtractorFieldContract {
       EXPECT_EQ(found.size(set).triangles, own.mesh.triangle_count()) << "set " << set;
       EXPECT_EQ(found.grids[set].origin, own.grid.origin) << "set " << set;
       EXPECT_EQ(found.grids[set].cells, own.grid.cells) << "set " << set;
-      add(sum, own.stats);
+      sum += own.stats;
     }
     EXPECT_EQ(found.before.back().vertices, found.meshes.vertex_count());
     EXPECT_EQ(found.before.back().triangles, found.meshes.triangle_count());

@@ -74,10 +74,7 @@ Joined join_parts(const Extractor& extractor, const SphereSet& spheres,
     EXPECT_EQ(mesh.triangle_count(), part->size().triangles);
     expect_named_vertices_near(*part, first, mesh);
     append(joined.mesh, mesh);
-    joined.stats.surface_bricks += stats.surface_bricks;
-    joined.stats.clamped_vertices += stats.clamped_vertices;
-    joined.stats.grid_clipped += stats.grid_clipped;
-    joined.stats.unmatched_faces += stats.unmatched_faces;
+    joined.stats += stats;
     first = {first.vertices + part->size().vertices, first.triangles + part->size().triangles};
   }
   return joined;

@@ -190,14 +190,33 @@ struct RowCounts {
 // Of one ball.
 struct BallRow {
   double contact, saddle, concave, volume;
+
+  VDWMESH_HD BallRow& operator+=(const BallRow& other) {
+    contact += other.contact;
+    saddle += other.saddle;
+    concave += other.concave;
+    volume += other.volume;
+    return *this;
+  }
 };
 struct CheckRow {
   Vec3d normal;  // ∫ n dA
   double flux;   // ∫ q · n dA / 3
   double contact_layer, saddle_layer;
   std::uint64_t creases;
-  std::int32_t sixths;
+  std::int64_t sixths;
   RowCounts counts;
+
+  VDWMESH_HD CheckRow& operator+=(const CheckRow& other) {
+    normal = normal + other.normal;
+    flux += other.flux;
+    contact_layer += other.contact_layer;
+    saddle_layer += other.saddle_layer;
+    creases += other.creases;
+    sixths += other.sixths;
+    counts += other.counts;
+    return *this;
+  }
 };
 
 VDWMESH_HD inline void add(Terms& sum, const Terms& t) {

@@ -114,11 +114,7 @@ struct Chunk {
 };
 struct ChunkSum {
   BallRow row;
-  Vec3d normal;
-  double flux, contact_layer, saddle_layer;
-  std::uint64_t creases;
-  std::int64_t sixths;
-  RowCounts counts;
+  CheckRow check;
 };
 struct SumChunks {
   const Chunk* chunks;
@@ -129,19 +125,8 @@ struct SumChunks {
   VDWMESH_HD void operator()(std::uint64_t i) const {
     ChunkSum sum{};
     for (std::uint64_t v = chunks[i].begin; v < chunks[i].end; ++v) {
-      const BallRow& row = rows[v];
-      const CheckRow& check = checks[v];
-      sum.row.contact += row.contact;
-      sum.row.saddle += row.saddle;
-      sum.row.concave += row.concave;
-      sum.row.volume += row.volume;
-      sum.normal = sum.normal + check.normal;
-      sum.flux += check.flux;
-      sum.contact_layer += check.contact_layer;
-      sum.saddle_layer += check.saddle_layer;
-      sum.creases += check.creases;
-      sum.sixths += check.sixths;
-      sum.counts += check.counts;
+      sum.row += rows[v];
+      sum.check += checks[v];
     }
     sums[i] = sum;
   }
