@@ -80,18 +80,22 @@ struct Searched {
 };
 
 // Whether the ball of least gap alone gives σ: a probe that counts can stand at the point's foot on
-// that ball. Then σ is the least gap. If only some probes count, the answer for a ball's centre is
-// false, since it has no single foot. The search of the arcs then gives σ: if an arc that counts is
-// on the ball's sphere, it is as far as the gap says, like all of the sphere.
+// that ball. Then σ is the least gap.
+//
+// A ball's centre has no single foot. If no other ball covers a part of the sphere, the whole
+// sphere is of one region, and any of its points says which. Otherwise the answer is false if only
+// some probes count, and the search of the arcs gives σ: a patch of the sphere in the outer region
+// has an arc on its border, which is as far from the centre as the gap says.
 bool is_decided(const Searched& s, const Vec3d& point, const LeastGap& least) {
   if (!is_settled(s.accessible, point, least)) return false;
   if (s.surface.includes_all()) return true;
   const Patch& patch = s.accessible.patches[least.patch];
   const Vec3d from_center = point - patch.ball.center;
   const double length = norm(from_center);
-  if (!(length > 0)) return false;
-  const Vec3d foot = patch.ball.center + (patch.ball.radius / length) * from_center;
-  return s.surface.includes_place(s.sphere_of[patch.place], foot);
+  if (!(length > 0) && patch.cover_count > 0) return false;
+  const double radius = patch.ball.radius;
+  const Vec3d to_foot = length > 0 ? (radius / length) * from_center : Vec3d{radius, 0, 0};
+  return s.surface.includes_place(s.sphere_of[patch.place], patch.ball.center + to_foot);
 }
 
 // The distance to the nearest crease or cusp, Å, if that is below `bound` (Å); otherwise the bound.

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "analysis/signed_distance.hpp"
+#include "contract/excluded_distances_contract.hpp"
 #include "contract/excluded_measures_contract.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
@@ -31,25 +32,9 @@
 namespace vdwmesh::testing {
 namespace {
 
-// Å, of coordinates up to some 100 Å and angles that are not flat: rounding.
-constexpr double kRounding = 1e-11;
-// Å: bounds of the oracle are so far apart, and may be off by its own slack of 1e-10 besides.
-constexpr double kBounds = 2e-3, kSlack = 1e-8;
-
 std::vector<double> measure(const std::vector<Vec3d>& points, const SphereSet& atoms,
                             double probe) {
   return excluded_signed_distances(points, atoms, probe);
-}
-
-// Points of all depths in and around a set.
-std::vector<Vec3d> places_around(const SphereSet& atoms, double reach, Dice& dice, int count) {
-  std::vector<Vec3d> places;
-  for (int i = 0; i < count; ++i) {
-    const Sphere& s =
-        atoms[static_cast<std::size_t>(dice.whole(0, static_cast<int>(atoms.size()) - 1))];
-    places.push_back(s.center + dice.real(0, s.radius + reach) * random_direction(dice));
-  }
-  return places;
 }
 
 // Every distance between the bounds of the oracle.
@@ -301,19 +286,6 @@ TEST(ExcludedDistances, ChangesNoFasterThanThePoint) {
   }
 }
 
-// A small triangle far from the surface, whose distance from a point is nearly the distance from
-// its middle.
-IndexedMesh speck_at(const Vec3d& at) {
-  IndexedMesh mesh;
-  mesh.positions.resize(3);
-  mesh.positions[0] = at;
-  mesh.positions[1] = at + Vec3d{1e-3, 0, 0};
-  mesh.positions[2] = at + Vec3d{0, 1e-3, 0};
-  mesh.triangles.resize(1);
-  mesh.triangles[0] = {0, 1, 2};
-  return mesh;
-}
-
 // The samples are spread evenly: the mean distance of the surface from a speck is an integral over
 // the surface, which a fine mesh has as well.
 TEST(ExcludedDistances, SamplesCoverTheSurfaceEvenly) {
@@ -365,87 +337,6 @@ TEST(ExcludedDistances, BothWaysOfAMesh) {
       EXPECT_LT(before / found.mesh_to_surface.mean, 5);
     }
     before = found.mesh_to_surface.mean;
-  }
-}
-
-// A hollow cage of atoms shaken a little, in whose cavity a probe has room, and the same with a
-// ball that fills the cavity and stays away from the outside. What lies outside of the cage is the
-// same for a probe; so the exterior surface of the cage is the complete one of the filled cage.
-struct HollowCage {
-  HollowCage(double bond, double filler, unsigned seed) {
-    Dice dice(seed);
-    const SphereSet cage = equal_spheres(reference::fullerene(bond, bond), 1.5);
-    for (const Sphere& s : cage.spheres()) {
-      hollow.push_back({s.center + random_point(dice, 0.03), s.radius});
-    }
-    filled = hollow;
-    filled.push_back({{0, 0, 0}, filler});
-  }
-  std::vector<Sphere> hollow, filled;
-};
-
-// The wall is thick enough to keep probes on both sides apart, or so thin that they overlap.
-std::vector<HollowCage> hollow_cages() { return {{2.0, 3.7, 1}, {2.1, 4.1, 2}, {2.1, 4.1, 3}}; }
-constexpr double kSmallProbe = 0.7;
-
-TEST(ExcludedDistances, OfTheExteriorSurfaceAreThoseOfAFilledCage) {
-  Dice dice(61);
-  for (const HollowCage& cage : hollow_cages()) {
-    const SphereSet hollow(cage.hollow), filled(cage.filled);
-    const ExcludedMeasures measures =
-        excluded_measures(hollow, {.probe = kSmallProbe, .exterior = true});
-    ASSERT_EQ(measures.complete.topology->components.size(), 2u);
-    ASSERT_EQ(measures.exterior->topology->components.size(), 1u);
-    std::vector<Vec3d> points = places_around(hollow, 2 * kSmallProbe, dice, 4000);
-    for (int i = 0; i < 1000; ++i) points.push_back(random_point(dice, 5));
-    for (const Sphere& s : cage.hollow) points.push_back(s.center);
-    const std::vector<double> all = measure(points, hollow, kSmallProbe),
-                              expected = measure(points, filled, kSmallProbe),
-                              found = excluded_signed_distances(points, hollow, kSmallProbe,
-                                                                nullptr, ExcludedPart::exterior);
-    std::size_t changed = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      EXPECT_NEAR(found[i], expected[i], kRounding) << points[i].x << ", " << points[i].y;
-      changed += std::abs(all[i] - found[i]) > 0.1;
-    }
-    EXPECT_GT(changed, points.size() / 10);
-    const reference::ExcludedDistance oracle(reference_balls(filled), kSmallProbe);
-    for (std::size_t i = 0; i < points.size(); i += 400) {
-      const Vec3d& p = points[i];
-      const auto [lower, upper] = oracle.bounds({{p.x, p.y, p.z}}, 0.02);
-      EXPECT_TRUE(found[i] >= lower - kSlack && found[i] <= upper + kSlack);
-    }
-  }
-}
-
-// Samples on the exterior surface alone, and all of them: their mean distance from a speck is that
-// of the filled cage, inside as well as outside.
-TEST(ExcludedDistances, SamplesOfTheExteriorSurface) {
-  for (const HollowCage& cage : hollow_cages()) {
-    const SphereSet hollow(cage.hollow), filled(cage.filled);
-    DistanceOptions options;
-    options.samples_per_area = 60;
-    for (const Vec3d& at : {Vec3d{0, 0, 0}, Vec3d{0, 12, 3}}) {
-      const MeshDistances expected = excluded_distances(speck_at(at), filled, kSmallProbe, options);
-      const MeshDistances found =
-          excluded_distances(speck_at(at), hollow, kSmallProbe, options, ExcludedPart::exterior);
-      const DistanceStatistics &a = found.surface_to_mesh, &b = expected.surface_to_mesh;
-      EXPECT_NEAR(a.mean, b.mean, 5 * (a.mean_error + b.mean_error) + 1e-4);
-      EXPECT_NEAR(a.max, b.max, 0.05);
-      EXPECT_NEAR(static_cast<double>(a.samples), static_cast<double>(b.samples),
-                  0.02 * static_cast<double>(b.samples));
-      EXPECT_NEAR(found.mesh_to_surface.mean, expected.mesh_to_surface.mean, kRounding);
-    }
-    // The walls of the cavity are far from the exterior mesh, which the complete surface shows.
-    ExcludedMeshOptions coarse;
-    coarse.probe = kSmallProbe;
-    coarse.edge_length = 0.7;
-    const IndexedMesh mesh = mesh_excluded(filled, coarse).mesh;
-    const auto farthest = [&](ExcludedPart part) {
-      return excluded_distances(mesh, hollow, kSmallProbe, {}, part).surface_to_mesh.max;
-    };
-    EXPECT_LT(farthest(ExcludedPart::exterior), 0.25);
-    EXPECT_GT(farthest(ExcludedPart::complete), 1.0);
   }
 }
 
