@@ -1,12 +1,15 @@
 // FacetLeaf: the four triangles of a leaf of a FacetTree side by side, gathered from the mesh for
-// tests of one triangle against all four at once (facet_leaf_apart.hpp).
+// tests of one triangle against all four at once (facet_leaf_apart.hpp). Triangles without an area
+// are left out.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "analysis/facet_pair.hpp"
+#include "analysis/facet_pair_exact.hpp"
 #include "analysis/facet_tree.hpp"
 
 namespace vdwmesh {
@@ -42,9 +45,11 @@ struct FacetLeaf {
   std::uint32_t overlapping(const Box& other) const {
     return overlapping_lanes(lower, upper, 0, other);
   }
-  // Gathers a leaf of the tree. Boxes of triangles that are not there are empty.
+  // Gathers a leaf of the tree. Boxes of triangles that are not there, or that have no area, are
+  // empty.
   void gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf);
   void set_planes();
+  void leave_out_flat(std::size_t count);
 };
 
 inline void FacetLeaf::gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf) {
@@ -68,6 +73,30 @@ inline void FacetLeaf::gather(const IndexedMesh& mesh, const FacetTree& tree, st
     }
   }
   set_planes();
+  leave_out_flat(count);
+}
+
+// Empties the boxes of those of the first `count` triangles that have no area. A component of the
+// normal that exceeds the bound here exceeds that of has_area() too, because `magnitude` is at
+// least each m_i. Nearly all triangles have one.
+inline void FacetLeaf::leave_out_flat(std::size_t count) {
+  constexpr double kBound = 0x1p-50;
+  const Lanes bound = kBound * lanes_at(magnitude);
+  LaneBits has_area_for_certain = all_bits(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    has_area_for_certain |= magnitude_of(normal.axis(axis)) > bound;
+  }
+  std::uint32_t unsure = ~bits_of(has_area_for_certain) & ((1u << count) - 1);
+  for (; unsure != 0; unsure &= unsure - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(unsure));
+    const Facet facet = facet_at(i);
+    if (has_area(facet) || !is_flat_exactly(facet)) continue;
+    const Box none = empty_box();
+    for (int axis = 0; axis < 3; ++axis) {
+      lower[axis][i] = none.lower[axis];
+      upper[axis][i] = none.upper[axis];
+    }
+  }
 }
 
 // The operations of set_plane() in facet_pair.hpp, for four triangles. The margin of `magnitude` is

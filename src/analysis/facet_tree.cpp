@@ -2,10 +2,14 @@
 // Graphics Forum 28 (2009) 375). The triangles are sorted along the Z-order curve, every four
 // consecutive ones form a leaf, every eight leaves a node, and so on up to the root.
 //
-// Two things keep the tree good for meshes of very uneven scale. Triangles far wider than the
-// others come last, by classes of width: among small ones, each of them would widen the boxes of
-// all nodes above it. And triangles that the cells of the curve do not tell apart, as near each
-// other beside a vertex far away, are sorted again by cells of their own box.
+// If every four consecutive triangles of the mesh are near each other, as the children of a divided
+// triangle are, they are sorted together, as one item: then there are fewer keys to sort, and a
+// leaf reads its triangles from one place of memory. Otherwise an item is a single triangle.
+//
+// Two things keep the tree good for meshes of very uneven scale. Items far wider than the others
+// come last, by classes of width: among small ones, each of them would widen the boxes of all nodes
+// above it. And items that the cells of the curve do not tell apart, as near each other beside a
+// vertex far away, are sorted again by cells of their own box.
 #include "analysis/facet_tree.hpp"
 
 #include <algorithm>
@@ -55,59 +59,126 @@ std::uint64_t cell_of(double x, double lower, double upper, double cells) {
 
 Vec3d middle_of(const Box& b) { return 0.5 * b.lower + 0.5 * b.upper; }
 
-// Sorts triangles along the curve. A key has a class of width, a Morton code, and the index of the
-// triangle in its lower bits, so keys are unique and their order does not depend on the algorithm.
+// The box around the triangles [first, first + count) of the mesh.
+Box box_of_run(const IndexedMesh& mesh, std::size_t first, std::size_t count) {
+  Box box = empty_box();
+  for (std::size_t t = first; t < first + count; ++t) {
+    include(box, box_of(mesh, static_cast<std::uint32_t>(t)));
+  }
+  return box;
+}
+
+// What the boxes of items are like: the sum of the exponents of their widths, and the box around
+// their middles.
+struct BoxSurvey {
+  std::int64_t exponents = 0;
+  Box middles = empty_box();
+
+  void add(const Box& box) {
+    exponents += width_exponent(box);
+    include(middles, middle_of(box));
+  }
+  void add(const BoxSurvey& other) {
+    exponents += other.exponents;
+    include(middles, other.middles);
+  }
+};
+
+// Sorts items along the curve: single triangles, or runs of kLeaf consecutive ones. A key has a
+// class of width, a Morton code, and the number of the item in its lower bits, so keys are unique
+// and their order does not depend on the algorithm.
 class FacetOrder {
  public:
-  FacetOrder(const IndexedMesh& mesh, const Buffer<std::uint32_t>& chosen)
+  // Precondition: the mesh has triangles.
+  explicit FacetOrder(const IndexedMesh& mesh)
       : mesh_(mesh),
-        keys_(chosen.size()),
         index_bits_(static_cast<int>(std::bit_width(mesh.triangle_count()))),
-        axis_bits_(std::min(21, (64 - kClassBits - index_bits_) / 3)),
-        mean_exponent_(mean_exponent(mesh, chosen)) {
-    for_each_index(keys_.size(), [&](std::size_t i) { keys_[i] = chosen[i]; });
-    sort(0, keys_.size());
+        axis_bits_(std::min(21, (64 - kClassBits - index_bits_) / 3)) {
+    const BoxSurvey survey = choose_items();
+    mean_exponent_ = static_cast<int>(survey.exponents / static_cast<std::int64_t>(keys_.size()));
+    for_each_index(keys_.size(), [&](std::size_t i) { keys_[i] = i; });
+    sort(0, keys_.size(), survey.middles);
   }
 
-  std::uint32_t triangle(std::size_t place) const {
-    return static_cast<std::uint32_t>(keys_[place] & ((std::uint64_t{1} << index_bits_) - 1));
+  // The triangles in order. If the last few of the mesh are less than an item, they come last.
+  Buffer<std::uint32_t> triangles() const {
+    Buffer<std::uint32_t> order(mesh_.triangle_count());
+    for_each_index(keys_.size(), [&](std::size_t place) {
+      for (std::size_t k = 0; k < in_item_; ++k) {
+        order[in_item_ * place + k] = static_cast<std::uint32_t>(in_item_ * item(place) + k);
+      }
+    });
+    for (std::size_t t = in_item_ * keys_.size(); t < order.size(); ++t) {
+      order[t] = static_cast<std::uint32_t>(t);
+    }
+    return order;
   }
 
  private:
-  static int mean_exponent(const IndexedMesh& mesh, const Buffer<std::uint32_t>& chosen) {
-    const auto add = [&](std::size_t i, std::int64_t& sum) {
-      sum += width_exponent(box_of(mesh, chosen[i]));
+  // Decides what an item is, makes room for the keys of all, and returns the survey of their boxes.
+  // Runs are items if they are about as wide as four neighbours are: children are half as wide as
+  // the parent, which makes a difference of 1 in the exponent. Another choice makes the search
+  // slower or faster and finds the same.
+  BoxSurvey choose_items() {
+    constexpr std::size_t kRun = FacetTree::kLeaf;
+    constexpr double kNear = 1.25;
+    struct Both {
+      BoxSurvey triangles, runs;
     };
-    const std::int64_t sum = reduce_all(chosen.size(), std::int64_t{0}, add, std::plus<>());
-    return static_cast<int>(sum / static_cast<std::int64_t>(chosen.size()));
+    const std::size_t triangles = mesh_.triangle_count(), runs = triangles / kRun;
+    const auto add = [&](std::size_t run, Both& both) {
+      Box all = empty_box();
+      for (std::size_t t = kRun * run; t < std::min(kRun * (run + 1), triangles); ++t) {
+        const Box box = box_of(mesh_, static_cast<std::uint32_t>(t));
+        both.triangles.add(box);
+        include(all, box);
+      }
+      if (run < runs) both.runs.add(all);
+    };
+    const auto join = [](Both a, const Both& b) {
+      a.triangles.add(b.triangles);
+      a.runs.add(b.runs);
+      return a;
+    };
+    const Both both = reduce_all(block_count(triangles, kRun), Both{}, add, join);
+    const auto mean = [](const BoxSurvey& survey, std::size_t items) {
+      return static_cast<double>(survey.exponents) / static_cast<double>(items);
+    };
+    const bool are_near =
+        runs > 0 && mean(both.runs, runs) - mean(both.triangles, triangles) <= kNear;
+    in_item_ = are_near ? kRun : 1;
+    keys_.resize(are_near ? runs : triangles);
+    return are_near ? both.runs : both.triangles;
   }
 
+  std::size_t item(std::size_t place) const {
+    return keys_[place] & ((std::uint64_t{1} << index_bits_) - 1);
+  }
+  Box box_at(std::size_t place) const {
+    return box_of_run(mesh_, in_item_ * item(place), in_item_);
+  }
   std::uint64_t code(std::size_t place) const { return keys_[place] >> index_bits_; }
 
   // Sorts the keys from `first` to `end` by the cells in which the middles of the boxes lie. The
-  // cells are those of the box of all these middles, 2^axis_bits_ along each axis.
-  void sort(std::size_t first, std::size_t end) {
-    const Box all = box_of_middles(first, end);
+  // cells are those of `all`, the box of all these middles, 2^axis_bits_ along each axis.
+  void sort(std::size_t first, std::size_t end, const Box& all) {
     const double cells = std::ldexp(1.0, axis_bits_);
     for_all(end - first, [&](std::size_t i) {
-      const std::uint32_t t = triangle(first + i);
-      const Box box = box_of(mesh_, t);
+      const Box box = box_at(first + i);
       const Vec3d p = middle_of(box);
       const auto cell = [&](int axis) {
         return cell_of(p[axis], all.lower[axis], all.upper[axis], cells);
       };
       const std::uint64_t wide = width_class(width_exponent(box), mean_exponent_);
       const std::uint64_t key = wide << 3 * axis_bits_ | morton_code(cell(0), cell(1), cell(2));
-      keys_[first + i] = key << index_bits_ | t;
+      keys_[first + i] = key << index_bits_ | item(first + i);
     });
     sort_keys({keys_.data() + first, end - first}, index_bits_);
     sort_runs(first, end);
   }
 
   Box box_of_middles(std::size_t first, std::size_t end) const {
-    const auto add = [&](std::size_t i, Box& box) {
-      include(box, middle_of(box_of(mesh_, triangle(first + i))));
-    };
+    const auto add = [&](std::size_t i, Box& box) { include(box, middle_of(box_at(first + i))); };
     const auto join = [](Box a, const Box& b) {
       include(a, b);
       return a;
@@ -116,32 +187,32 @@ class FacetOrder {
   }
 
   // Sorts again each run of keys with one code. A run is shorter than what it is part of, or
-  // nothing tells its triangles apart, so this ends.
+  // nothing tells its items apart, so this ends.
   void sort_runs(std::size_t first, std::size_t end) {
     std::vector<std::pair<std::size_t, std::size_t>> runs;
     for (std::size_t i = first, next = first; i < end; i = next) {
       while (next < end && code(next) == code(i)) ++next;
-      if (next - i > kUnsorted && next - i < end - first) runs.push_back({i, next});
+      if (in_item_ * (next - i) > kUnsorted && next - i < end - first) runs.push_back({i, next});
     }
-    const auto sort_run = [&](std::size_t r) { sort(runs[r].first, runs[r].second); };
+    const auto sort_run = [&](std::size_t r) {
+      const auto [begin, past] = runs[r];
+      sort(begin, past, box_of_middles(begin, past));
+    };
     for_all(runs.size(), sort_run, 1);
   }
 
   const IndexedMesh& mesh_;
-  Buffer<std::uint64_t> keys_;
+  Buffer<std::uint64_t> keys_;  // one for each item
+  std::size_t in_item_ = 1;     // triangles of an item
   int index_bits_, axis_bits_;
-  int mean_exponent_;
+  int mean_exponent_ = 0;
 };
 
 }  // namespace
 
-FacetTree::FacetTree(const IndexedMesh& mesh, Buffer<std::uint32_t> chosen)
-    : order_(std::move(chosen)) {
-  if (order_.empty()) return;
-  {  // the keys are freed before the nodes are made
-    const FacetOrder sorted(mesh, order_);
-    for_each_index(order_.size(), [&](std::size_t i) { order_[i] = sorted.triangle(i); });
-  }
+FacetTree::FacetTree(const IndexedMesh& mesh) {
+  if (mesh.triangles.empty()) return;
+  order_ = FacetOrder(mesh).triangles();  // the keys are freed before the nodes are made
   make_bottom(mesh);
   make_levels();
 }

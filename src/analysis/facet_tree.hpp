@@ -24,9 +24,9 @@ class FacetTree {
   static constexpr std::size_t kLeaf = 4;   // triangles of a leaf
   static constexpr std::size_t kWidth = 8;  // children of a node
 
-  // Over the triangles `chosen` of the mesh, in an order that it makes. Precondition: their
-  // coordinates are finite.
-  FacetTree(const IndexedMesh& mesh, Buffer<std::uint32_t> chosen);
+  // Over the triangles of the mesh, in an order that it makes. Precondition: their coordinates are
+  // finite.
+  explicit FacetTree(const IndexedMesh& mesh);
 
   std::size_t size() const { return order_.size(); }
   // The triangle of the mesh at a place of the tree's order. Leaf k has the places from kLeaf k.

@@ -30,13 +30,6 @@ namespace {
 constexpr std::size_t kWidth = FacetTree::kWidth;
 constexpr std::size_t kNodesPerBlock = 64;
 
-Facet facet_of(const IndexedMesh& mesh, std::uint32_t triangle) {
-  const Triangle& v = mesh.triangles[triangle];
-  return make_facet(v, mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);
-}
-
-bool is_flat(const Facet& f) { return !has_area(f) && is_flat_exactly(f); }
-
 bool do_intersect(const Facet& a, const Facet& b) {
   const Matching& m = match(a.vertex, b.vertex);
   const Meeting found = meeting(a, b, m);
@@ -146,20 +139,6 @@ class HomeSearch {
   std::array<FacetLeaf, kWidth> leaves_;
 };
 
-// The triangles that have an area.
-Buffer<std::uint32_t> without_flat(const IndexedMesh& mesh) {
-  Buffer<std::uint8_t> has_area(mesh.triangle_count());
-  for_all(has_area.size(), [&](std::size_t t) {
-    has_area[t] = !is_flat(facet_of(mesh, static_cast<std::uint32_t>(t)));
-  });
-  Buffer<std::uint32_t> chosen(mesh.triangle_count());
-  const std::uint32_t count = number_all(
-      mesh.triangle_count(), [&](std::size_t t) { return has_area[t] != 0; },
-      [&](std::size_t t, std::uint32_t n) { chosen[n] = static_cast<std::uint32_t>(t); });
-  chosen.resize(count);
-  return chosen;
-}
-
 using TakePairs = std::function<void(const TrianglePairs&)>;
 
 // Calls take(found) for lists of pairs that intersect, one of them a triangle of the bottom nodes
@@ -181,7 +160,7 @@ VDWMESH_MULTIVERSION void search_from(const IndexedMesh& mesh, const FacetTree& 
 // The same for all bottom nodes, from several threads.
 void search(const IndexedMesh& mesh, Monitor* monitor, const TakePairs& take) {
   advance(monitor, 0);
-  const FacetTree tree(mesh, without_flat(mesh));
+  const FacetTree tree(mesh);
   begin_stage(monitor, "self-intersections", block_count(tree.bottom_nodes(), kNodesPerBlock));
   tbb::enumerable_thread_specific<LeafCache> caches;
   for_each_block(

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -235,6 +236,45 @@ TEST(IntersectingPairsOfUnevenMeshes, AreThoseOfCgal) {
     const TrianglePairs pairs = intersecting_pairs(mesh);
     EXPECT_EQ(pairs, CgalPairs(mesh).all()) << far;
     EXPECT_GT(pairs.size(), 100u) << "too few to show anything";
+  }
+}
+
+// Every four consecutive triangles of a torus are near each other, and share a leaf of the tree; in
+// a shuffled mesh they do not. Some triangles are flat, some vertices are pulled through the other
+// side, and the triangles do not fill the last leaf.
+TEST(IntersectingPairsOfNeighbours, DoNotDependOnTheOrderOfTriangles) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    Dice dice(seed);
+    IndexedMesh mesh = testing::torus(24, 12);
+    const auto any_triangle = [&] {
+      return static_cast<std::size_t>(dice.whole(0, static_cast<int>(mesh.triangles.size()) - 1));
+    };
+    mesh.triangles.resize(mesh.triangles.size() - seed % 4);
+    for (int k = 0; k < 5; ++k) {
+      Triangle& t = mesh.triangles[any_triangle()];
+      t[2] = t[1];
+      Vec3d& p = mesh.positions[static_cast<std::size_t>(dice.whole(0, 24 * 12 - 1))];
+      p = -1.0 * p;
+    }
+    const TrianglePairs pairs = intersecting_pairs(mesh);
+    EXPECT_EQ(pairs, CgalPairs(mesh).all());
+    EXPECT_GT(pairs.size(), 20u) << "too few to show anything";
+
+    std::vector<std::uint32_t> place(mesh.triangles.size());  // by place: the triangle put there
+    std::iota(place.begin(), place.end(), 0u);
+    for (std::size_t i = place.size(); i-- > 1;) {
+      std::swap(place[i], place[static_cast<std::size_t>(dice.whole(0, static_cast<int>(i)))]);
+    }
+    IndexedMesh shuffled = mesh;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      shuffled.triangles[i] = mesh.triangles[place[i]];
+    }
+    TrianglePairs again;
+    for (const auto& [i, j] : intersecting_pairs(shuffled)) {
+      again.push_back(std::minmax(place[i], place[j]));
+    }
+    std::ranges::sort(again);
+    EXPECT_EQ(again, pairs);
   }
 }
 
