@@ -15,9 +15,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <functional>
 #include <utility>
 
+#include "analysis/triangle_runs.hpp"
 #include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/morton.hpp"
@@ -29,18 +29,6 @@ namespace {
 constexpr int kClassBits = 3;
 // More triangles than this with one key are sorted again: a node of them.
 constexpr std::size_t kUnsorted = FacetTree::kLeaf * FacetTree::kWidth;
-
-// The exponent of the width of a box, its longest side: width is in [2^e, 2^(e+1)). A point gets
-// the least exponent, a width beyond all doubles the largest.
-int width_exponent(const Box& box) {
-  const Vec3d side = box.upper - box.lower;
-  const double width = std::max({side.x, side.y, side.z});
-  // Of normal numbers the exponent is read from their bits, which is quicker.
-  constexpr int kBits = 52, kBias = 1023;
-  const auto field = static_cast<int>(std::bit_cast<std::uint64_t>(width) >> kBits);
-  if (field > 0 && field <= 2 * kBias) return field - kBias;
-  return std::clamp(std::ilogb(width), -1074, 1024);
-}
 
 // 0 for triangles up to about 16 times as wide as the mean, and another class for each factor of 16
 // beyond. `mean` is the mean exponent of all.
@@ -59,15 +47,6 @@ std::uint64_t cell_of(double x, double lower, double upper, double cells) {
 
 Vec3d middle_of(const Box& b) { return 0.5 * b.lower + 0.5 * b.upper; }
 
-// The box around the triangles [first, first + count) of the mesh.
-Box box_of_run(const IndexedMesh& mesh, std::size_t first, std::size_t count) {
-  Box box = empty_box();
-  for (std::size_t t = first; t < first + count; ++t) {
-    include(box, box_of(mesh, static_cast<std::uint32_t>(t)));
-  }
-  return box;
-}
-
 // What the boxes of items are like: the sum of the exponents of their widths, and the box around
 // their middles.
 struct BoxSurvey {
@@ -84,7 +63,7 @@ struct BoxSurvey {
   }
 };
 
-// Sorts items along the curve: single triangles, or runs of kLeaf consecutive ones. A key has a
+// Sorts items along the curve: single triangles, or runs of consecutive ones. A key has a
 // class of width, a Morton code, and the number of the item in its lower bits, so keys are unique
 // and their order does not depend on the algorithm.
 class FacetOrder {
@@ -92,11 +71,13 @@ class FacetOrder {
   // Precondition: the mesh has triangles.
   explicit FacetOrder(const IndexedMesh& mesh)
       : mesh_(mesh),
+        in_item_(triangles_together(mesh)),
+        keys_(mesh.triangle_count() / in_item_),
         index_bits_(static_cast<int>(std::bit_width(mesh.triangle_count()))),
         axis_bits_(std::min(21, (64 - kClassBits - index_bits_) / 3)) {
-    const BoxSurvey survey = choose_items();
-    mean_exponent_ = static_cast<int>(survey.exponents / static_cast<std::int64_t>(keys_.size()));
     for_each_index(keys_.size(), [&](std::size_t i) { keys_[i] = i; });
+    const BoxSurvey survey = survey_boxes();
+    mean_exponent_ = static_cast<int>(survey.exponents / static_cast<std::int64_t>(keys_.size()));
     sort(0, keys_.size(), survey.middles);
   }
 
@@ -115,47 +96,21 @@ class FacetOrder {
   }
 
  private:
-  // Decides what an item is, makes room for the keys of all, and returns the survey of their boxes.
-  // Runs are items if they are about as wide as four neighbours are: children are half as wide as
-  // the parent, which makes a difference of 1 in the exponent. Another choice makes the search
-  // slower or faster and finds the same.
-  BoxSurvey choose_items() {
-    constexpr std::size_t kRun = FacetTree::kLeaf;
-    constexpr double kNear = 1.25;
-    struct Both {
-      BoxSurvey triangles, runs;
-    };
-    const std::size_t triangles = mesh_.triangle_count(), runs = triangles / kRun;
-    const auto add = [&](std::size_t run, Both& both) {
-      Box all = empty_box();
-      for (std::size_t t = kRun * run; t < std::min(kRun * (run + 1), triangles); ++t) {
-        const Box box = box_of(mesh_, static_cast<std::uint32_t>(t));
-        both.triangles.add(box);
-        include(all, box);
-      }
-      if (run < runs) both.runs.add(all);
-    };
-    const auto join = [](Both a, const Both& b) {
-      a.triangles.add(b.triangles);
-      a.runs.add(b.runs);
+  BoxSurvey survey_boxes() const {
+    const auto add = [&](std::size_t place, BoxSurvey& survey) { survey.add(box_at(place)); };
+    const auto join = [](BoxSurvey a, const BoxSurvey& b) {
+      a.add(b);
       return a;
     };
-    const Both both = reduce_all(block_count(triangles, kRun), Both{}, add, join);
-    const auto mean = [](const BoxSurvey& survey, std::size_t items) {
-      return static_cast<double>(survey.exponents) / static_cast<double>(items);
-    };
-    const bool are_near =
-        runs > 0 && mean(both.runs, runs) - mean(both.triangles, triangles) <= kNear;
-    in_item_ = are_near ? kRun : 1;
-    keys_.resize(are_near ? runs : triangles);
-    return are_near ? both.runs : both.triangles;
+    return reduce_all(keys_.size(), BoxSurvey{}, add, join);
   }
 
   std::size_t item(std::size_t place) const {
     return keys_[place] & ((std::uint64_t{1} << index_bits_) - 1);
   }
   Box box_at(std::size_t place) const {
-    return box_of_run(mesh_, in_item_ * item(place), in_item_);
+    const std::size_t first = in_item_ * item(place);
+    return box_of_triangles(mesh_, first, first + in_item_);
   }
   std::uint64_t code(std::size_t place) const { return keys_[place] >> index_bits_; }
 
@@ -202,8 +157,8 @@ class FacetOrder {
   }
 
   const IndexedMesh& mesh_;
+  std::size_t in_item_;         // triangles of an item
   Buffer<std::uint64_t> keys_;  // one for each item
-  std::size_t in_item_ = 1;     // triangles of an item
   int index_bits_, axis_bits_;
   int mean_exponent_ = 0;
 };

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "analysis/mesh_area.hpp"
+#include "analysis/triangle_runs.hpp"
 #include "analysis/triangle_search.hpp"
 #include "core/morton.hpp"
 #include "core/multiversion.hpp"
@@ -218,8 +219,10 @@ std::vector<std::uint32_t> along_curve(std::span<const Vec3d> points) {
 
 MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
     : mesh_(mesh),
-      tree_(static_cast<std::uint32_t>(mesh.triangle_count()), world,
-            [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); }) {}
+      tree_(
+          static_cast<std::uint32_t>(mesh.triangle_count()), world,
+          [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); },
+          static_cast<std::uint32_t>(triangles_together(mesh))) {}
 
 // The points are searched in their order along the Z-order curve, in which a group of them is in
 // about the smallest box. The distance of a point does not depend on the others.
