@@ -21,6 +21,20 @@ MemoryDemand memory_of_report(const Options& options) {
   return demand;
 }
 
+namespace {
+
+// Frees what a refinement has made and neither measures nor comparison read: a quarter of a refined
+// mesh, whose memory the measures then take instead of new pages. The half-edges serve the
+// conversion to OpenMesh for CGAL, the normals a picture.
+void free_unread(IndexedMesh& mesh, const Options& options) {
+  if (!checks_with_cgal(options.cgal_check, mesh.triangle_count())) {
+    mesh.opposite = Buffer<std::uint32_t>();
+  }
+  if (options.picture.path.empty()) mesh.normals = Buffer<Vec3f>();
+}
+
+}  // namespace
+
 IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options, Session& session) {
   MemoryDemand demand = memory_of_report(options);
   const std::uint64_t limit = options.machine.memory_limit;
@@ -34,6 +48,7 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
                                            levels, session)});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, spheres, mesh, limit);
+  free_unread(mesh, options);
   MeshReport& report = *session.report.mesh;
   measure(mesh, options.self_intersections, session);
   add_last_level(options.surface.subdivisions, std::move(levels), report);
