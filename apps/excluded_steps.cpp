@@ -52,7 +52,7 @@ void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per
       report.excluded.emplace(ExcludedMeasures{probe, surface_of(found, 0), {}}).complete;
   if (per_atom == Switch::on) s.per_atom = std::move(found.per_atom);
   report.note(
-      "on cuda, the complete surface without its shells; the CPU decided about {} balls, {} "
+      "cuda measured the complete surface, without its shells; the CPU decided about {} balls, {} "
       "circles, {} corners and {} concave patches{}",
       found.host_balls, found.host_circles, found.host_corners, found.host_patches,
       found.host_sets > 0 ? ", then measured all, because a probe touches four atoms or more" : "");

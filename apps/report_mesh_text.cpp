@@ -10,7 +10,7 @@ namespace vdwmesh::apps {
 namespace {
 
 // The word for a property, "closed" for example, or "NOT closed".
-std::string yes_no(bool value, std::string_view noun) {
+std::string affirmed(bool value, std::string_view noun) {
   return fmt::format("{}{}", value ? "" : "NOT ", noun);
 }
 
@@ -81,24 +81,25 @@ void distance_table(Text out, const MeshDistances& distances, std::string_view t
 
 std::string known(const std::string& text) { return text.empty() ? "not known" : text; }
 
+std::string topology_text(const ComparisonReport& comparison) {
+  const char* surface = comparison.surface == ExactSurface::excluded ? "excluded surface" : "union";
+  const std::optional<bool> is_exact = comparison.proof->topology_is_exact;
+  if (!is_exact) return fmt::format("topology of the {} not computed", surface);
+  if (!*is_exact) return fmt::format("topology is NOT that of the {}", surface);
+  return fmt::format("Euler characteristic, components and voids are those of the {}", surface);
+}
+
 }  // namespace
 
 // A reader who trusts nothing finds here all that speaks for the mesh, or against it.
 void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& mesh) {
   fmt::format_to(out, "\n");
   const MeshProof& proof = *comparison.proof;
-  const char* surface = comparison.surface == ExactSurface::excluded ? "excluded surface" : "union";
-  // topology_is_exact is empty if the topology was not computed.
-  const std::string topology = fmt::format(
-      fmt::runtime(!proof.topology_is_exact ? "topology of the {} not computed"
-                   : *proof.topology_is_exact
-                       ? "Euler characteristic, components and voids are those of the {}"
-                       : "topology is NOT that of the {}"),
-      surface);
   line(out, "Proof",
-       fmt::format("{}; {}, {}, {}; {}", topology, yes_no(mesh.topology.closed, "closed"),
-                   yes_no(mesh.topology.manifold, "2-manifold"),
-                   yes_no(mesh.topology.oriented, "oriented"), self_intersections_text(mesh)));
+       fmt::format("{}; {}, {}, {}; {}", topology_text(comparison),
+                   affirmed(mesh.topology.closed, "closed"),
+                   affirmed(mesh.topology.manifold, "2-manifold"),
+                   affirmed(mesh.topology.oriented, "oriented"), self_intersections_text(mesh)));
   if (proof.atoms) {
     line(out, "",
          fmt::format("area of an atom: {:.3g} % off at most ({}), rms {:.3g} %; {} atoms with 1 Å² "
@@ -125,8 +126,8 @@ void mesh_text(Text out, const MeshReport& mesh) {
   if (mesh.path) line(out, "Mesh file", *mesh.path);
   line(out, "Mesh",
        fmt::format("{} vertices, {} triangles; {}, {}, {}", topology.vertices, topology.triangles,
-                   yes_no(topology.closed, "closed"), yes_no(topology.manifold, "2-manifold"),
-                   yes_no(topology.oriented, "oriented")));
+                   affirmed(topology.closed, "closed"), affirmed(topology.manifold, "2-manifold"),
+                   affirmed(topology.oriented, "oriented")));
   std::string counts = fmt::format("{} degenerate triangles, {}", mesh.quality.degenerate_triangles,
                                    self_intersections_text(mesh));
   if (mesh.clamped_vertices) {

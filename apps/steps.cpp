@@ -108,8 +108,8 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
 }
 
 // The crease-exact mesher and the refiner, each on the backend asked for.
-IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& surface,
-                             const RefineOptions& refine, Report& report) {
+IndexedMesh mesh_crease_exact(const SphereSet& spheres, const SurfaceOptions& surface,
+                              const RefineOptions& refine, Report& report) {
   report.parameters = describe_parameters(surface, std::nullopt, refine.memory_limit);
   const ExactMeshOptions options = exact_mesh_options(surface, refine.memory_limit, refine.monitor);
   ExactMesh exact = make_exact_mesher(report.backend->requested)->mesh(spheres, options);
@@ -230,7 +230,7 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
   RefineOptions refine = refine_options(surface, session);
   refine.on_level = request.on_level;
   IndexedMesh mesh = surface.mesher == Mesher::exact
-                         ? mesh_arrangement(spheres, surface, refine, report)
+                         ? mesh_crease_exact(spheres, surface, refine, report)
                          : mesh_field(spheres, surface, request, refine, report);
   // The time that record_levels() took is of a stage of its own, Timing::levels.
   const StageTime lap = session.clock.lap();

@@ -291,16 +291,17 @@ __global__ void __launch_bounds__(kThreads, 6)
   const std::uint64_t i = thread_index() / kWarp;
   if (i >= count) return;
   const BrickIndex parent = brick_of_key(parents[i]);
-  const FieldOfBlock own = fields.of(parents[i], child_level + 1);  // own(): index in its grid
-  const FieldContext& f = own.field;
+  const FieldOfBlock of_block = fields.of(parents[i], child_level + 1);
+  const FieldContext& f = of_block.field;
   const GridSpec& grid = f.model.grid;
-  const BlockBox box =
-      block_box(grid, lattice_block(own.own(parent, child_level + 1), child_level + 1));
+  const BlockBox box = block_box(
+      grid, lattice_block(of_block.index_in_field(parent, child_level + 1), child_level + 1));
   const Vec3d middle = box_frame<float>(box.lower, box.upper).middle;
   const int c = own_child();
   const BrickIndex index{2 * parent.x + (c & 1), 2 * parent.y + (c >> 1 & 1),
                          2 * parent.z + (c >> 2)};
-  const ChildBlock child = child_block(grid, own.own(index, child_level), child_level, middle);
+  const ChildBlock child =
+      child_block(grid, of_block.index_in_field(index, child_level), child_level, middle);
   Test test(f);
   test_child(f, box, middle, child, waiting[threadIdx.x / kWarp], test);
   if (own_part() != 0) return;

@@ -38,7 +38,7 @@ struct FieldOfBlock {
   std::int32_t first_layer;
 
   // The index within the field of a block of 2^level bricks that has this index in the stack.
-  __device__ BrickIndex own(const BrickIndex& block, int level) const {
+  __device__ BrickIndex index_in_field(const BrickIndex& block, int level) const {
     return {block.x, block.y, block.z - (first_layer >> level)};
   }
   __device__ std::uint64_t own_key(std::uint64_t key) const {

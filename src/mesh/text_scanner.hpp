@@ -22,7 +22,8 @@ class TextScanner {
 
   // Skips blanks, and line breaks after a backslash, which continue a line.
   void skip_blanks() {
-    while (at_ < end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || is_continuation())) ++at_;
+    while (at_ < end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || skip_continuation()))
+      ++at_;
   }
   // Skips blanks, ends of lines and comments.
   void skip_to_token() {
@@ -82,9 +83,9 @@ class TextScanner {
   [[noreturn]] void fail_at(const char* position, const std::string& what) const;
 
  private:
-  // Whether a backslash and a line break (LF or CR LF) stand here. If so, this changes the
-  // position: it moves to the LF, which the loop in skip_blanks() then steps over.
-  bool is_continuation() {
+  // If a backslash and a line break (LF or CR LF) stand here, moves to the LF, which the loop in
+  // skip_blanks() then steps over. Returns whether it moved.
+  bool skip_continuation() {
     if (*at_ != '\\') return false;
     const char* next = at_ + 1;
     if (next < end_ && *next == '\r') ++next;

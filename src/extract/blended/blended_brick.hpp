@@ -47,7 +47,8 @@ class BlendedBrick {
         node_shape_(Kind::node_shape(model)),
         isovalue_(static_cast<float>(model.isovalue)) {}
 
-  // Moves to a brick: gathers the atoms that reach the box of its nodes, in list order.
+  // Moves to a brick: gathers the atoms that reach the box of its nodes, in the order
+  // of the cell list.
   void visit(const BrickIndex& brick);
   // Computes the field at all 9 x 9 x 9 nodes, virtual ones included.
   void values(BrickValues& values) const;

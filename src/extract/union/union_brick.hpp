@@ -35,7 +35,8 @@ class UnionBrick {
   UnionBrick(const CellListView& list, const FieldModel& model)
       : list_(list), grid_(model.grid), run_(list, model.grid) {}
 
-  // Moves to a brick: gathers the balls that touch the box of its nodes, in list order.
+  // Moves to a brick: gathers the balls that touch the box of its nodes, in the order
+  // of the cell list.
   void visit(const BrickIndex& brick);
   void signs(BrickSigns& signs);
   // Calls put(i, vertex) for every edge i of `edges`, which are the brick's crossed edges.
