@@ -1,12 +1,12 @@
 // AccessibleSurface: arcs, probes, pieces and components of the boundary of the grown balls.
 //
-// 1. Each exposed arc gets its shape. Points in which balls touch are no arcs and are left out.
-// 2. Corners at the ends of arcs without length are gathered into one probe (union-find).
-// 3. A loop of a ball's exposed part is a cycle of arcs, joined at corners (union-find). Loops that
-//    the cells outside the complex around the ball connect bound one piece.
-// 4. The Euler characteristic of a piece with n loops is 2 - n. Gauss–Bonnet gives its solid angle,
-//    ω = 2 π (2 - n) + Σ φ cos β - Σ ε, with the angles φ of arcs, the angular radii β of their
-//    circles and the turning angles ε. The integral of its normal is ½ ∮ w × dw.
+// 1. Each exposed arc gets its shape. Points in which balls touch are no arcs and are left out. 2.
+// Corners at the ends of arcs without length are gathered into one probe (union-find). 3. A loop of
+// a ball's exposed part is a cycle of arcs, joined at corners (union-find). Loops bound the same
+// piece if a way through cells outside the complex, all around the ball, leads from one to the
+// other. 4. The Euler characteristic of a piece with n loops is 2 - n. Gauss–Bonnet gives its solid
+// angle, ω = 2 π (2 - n) + Σ φ cos β - Σ ε, with the angles φ of arcs, the angular radii β of their
+// circles and the turning angles ε. The integral of its normal is ½ ∮ w × dw.
 #include "excluded/accessible_surface.hpp"
 
 #include <algorithm>
@@ -27,8 +27,8 @@
 namespace vdwmesh::excluded {
 namespace {
 
-// Which cells of the triangulation are in the outer region: connected with an auxiliary point
-// across facets that are not in the complex.
+// For each cell of the triangulation whether it is in the outer region: a way through facets
+// outside the complex leads from it to a cell with an auxiliary point.
 std::vector<std::uint8_t> outer_cells(const PowerTriangulation& t, const DualComplex& complex) {
   std::vector<std::uint8_t> outer(t.cells.size(), 0);
   std::vector<std::uint32_t> open;
@@ -67,7 +67,8 @@ Vec3d middle_of(const std::vector<Sphere>& balls) {
   return 0.5 * (lower + upper);
 }
 
-// For rings, the cells around their edges are not known; here one for each ring that is asked for.
+// Finds a cell at the edge of each ring that is asked for. Arcs with corners know such cells from
+// the triangles of the corners; a ring has none.
 class RingCells {
  public:
   RingCells(const PowerTriangulation& t, const std::vector<std::array<std::uint32_t, 2>>& rings) {
@@ -94,8 +95,8 @@ class RingCells {
   std::unordered_map<std::uint64_t, std::uint32_t> cell_;
 };
 
-// The cells outside the complex around a ball that are connected with `start` across facets of the
-// ball that are outside as well. They lie over one piece of its exposed part.
+// The cells around a ball that can be reached from the cell `start` through the ball's facets that
+// are outside the complex. They lie over one piece of its exposed part.
 std::unordered_set<std::uint32_t> cells_of_piece(const PowerTriangulation& t,
                                                  const DualComplex& complex, std::uint32_t ball,
                                                  std::uint32_t start) {
@@ -122,7 +123,7 @@ struct AccessibleSurface::Loop {
   bool real;              // has an arc that is not dropped
 };
 
-// All loops, and the lists of those of balls that have several, ascending.
+// All loops, and for each ball that has several the list of them, ascending.
 struct AccessibleSurface::LoopTable {
   explicit LoopTable(std::uint32_t count) : loops(count, Loop{kNoIndex, 0, false}) {}
 
@@ -164,6 +165,12 @@ AccessibleSurface::AccessibleSurface(const PowerTriangulation& triangulation,
   find_components();
 }
 
+std::uint32_t& AccessibleSurface::arc_at(CornerIndex corner, std::uint32_t edge) {
+  const auto& edges = triangle_of(corner).edges;
+  const auto slot = std::find(edges.begin(), edges.end(), edge) - edges.begin();
+  return arc_at_[corner][static_cast<std::size_t>(slot)];
+}
+
 void AccessibleSurface::place_arcs(double no_length) {
   for (const ExposedArc& arc : exposed_arcs(triangulation_, complex_)) {
     const DualEdge& e = complex_.edges[arc.edge];
@@ -196,9 +203,7 @@ void AccessibleSurface::place_arcs(double no_length) {
       const Vec3d arm = shapes_.corner_from_circle(in.edge, corner[end]);
       const Vec3d flat = arm - dot(arm, out.axis) * out.axis;
       out.radial[end] = squared_norm(flat) > 0 ? unit(flat) : any_orthogonal(out.axis);
-      const auto& edges = triangle_of(corner[end]).edges;
-      const auto slot = std::find(edges.begin(), edges.end(), in.edge) - edges.begin();
-      arc_at_[corner[end]][static_cast<std::size_t>(slot)] = static_cast<std::uint32_t>(i);
+      arc_at(corner[end], in.edge) = static_cast<std::uint32_t>(i);
     }
   });
   drop_short_arcs(*this, exposed_, no_length, arcs);
@@ -274,9 +279,7 @@ void AccessibleSurface::link_circles() {
     if (exposed_[i].start == kNoCorner) return;
     const std::uint32_t edge = arcs[i].edge;
     const CornerIndex start = next_start(triangulation_, complex_, edge, exposed_[i].end);
-    const auto& edges = triangle_of(start).edges;
-    const auto slot = std::find(edges.begin(), edges.end(), edge) - edges.begin();
-    const std::uint32_t next = arc_at_[start][static_cast<std::size_t>(slot)];
+    const std::uint32_t next = arc_at(start, edge);
     arcs[i].beyond[1] = next;
     arcs[next].beyond[0] = static_cast<std::uint32_t>(i);
   });
@@ -329,7 +332,7 @@ void AccessibleSurface::find_pieces() {
   }
 }
 
-// For each loop the lowest one of the same piece. Only balls with several loops are looked at.
+// Returns for each loop the lowest loop of the same piece.
 std::vector<std::uint32_t> AccessibleSurface::lowest_loops(const LoopTable& table) const {
   std::vector<std::array<std::uint32_t, 2>> rings;
   for (const auto& [ball, list] : table.several) {
@@ -362,8 +365,9 @@ std::vector<std::uint32_t> AccessibleSurface::lowest_loops(const LoopTable& tabl
   return lowest;
 }
 
-// Adds arcs and corners to the pieces, whose solid angles are 2 π χ so far; and corners to probes:
-// the angle of a concave patch at a point of contact is the turning angle of the contact patch.
+// Adds what arcs and corners contribute to the solid angles of the pieces, which are 2 π χ so far,
+// to their vectors, and to the solid angles of the probes. At a point of contact, the turning angle
+// of the contact patch is the angle of the concave patch.
 void AccessibleSurface::measure_pieces() {
   std::vector<WideSum> bend(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) bend[i].add(contacts[i].solid_angle);
@@ -413,19 +417,20 @@ void AccessibleSurface::find_components() {
     const double r = triangulation_.balls[piece.ball].radius;
     area[piece.component].add(r * r * piece.solid_angle);
     volume[piece.component].add(
-        r * r * (dot(place(piece.ball, home), piece.vector) + r * piece.solid_angle) / 3);
+        flux_through(r, place(piece.ball, home), piece.solid_angle, piece.vector));
   }
   for (std::size_t i = 0; i < components.size(); ++i) {
     components[i].area = area[i].value();
     components[i].volume = volume[i].value();
   }
   for (Probe& p : probes) {
-    p.component = contacts[arcs[arc_at_[p.corner][0]].contact[0]].component;
+    p.component = component_of(arcs[arc_at_[p.corner][0]]);
   }
 }
 
-// A component with a probe is outer if a cell beside the corner is. One without has rings alone, or
-// is a whole sphere, and a ball of it is in no other component: any cell at the ball decides.
+// A component with a probe is outer if the cell beside the corner of the probe is. A component
+// without probes has rings alone, or is a whole sphere. Its balls are in no other component, so any
+// cell at one of them decides.
 std::vector<std::uint8_t> AccessibleSurface::outer_components() const {
   const std::vector<std::uint8_t> outer = outer_cells(triangulation_, complex_);
   std::vector<std::uint8_t> out(components.size(), 0), has_probe(components.size(), 0);

@@ -72,6 +72,12 @@ struct ComponentMeasures {
   Vec3d home;           // a point near by, in the coordinates of the triangulation
 };
 
+// The flux ∫ q · n dA / 3 of the position through a part of a sphere. `vector` is ∫ n dω.
+inline double flux_through(double radius, const Vec3d& center, double solid_angle,
+                           const Vec3d& vector) {
+  return radius * radius * (dot(center, vector) + radius * solid_angle) / 3;
+}
+
 class AccessibleSurface {
  public:
   AccessibleSurface(const PowerTriangulation& triangulation, const DualComplex& complex,
@@ -107,6 +113,14 @@ class AccessibleSurface {
   // A ball's centre, relative to the origin.
   Vec3d center(std::uint32_t ball) const { return place(ball, origin); }
 
+  std::uint32_t component_of(const RolledArc& arc) const {
+    return contacts[arc.contact[0]].component;
+  }
+  // Whether an arc has a length and is of a component that is included.
+  bool counts(const RolledArc& arc, std::span<const std::uint8_t> included) const {
+    return !arc.dropped && included[component_of(arc)] != 0;
+  }
+
   // Places relative to a point near by, which keeps the digits that coordinates from a far origin
   // lose: centres of a ball, an arc's circle and a probe.
   Vec3d place(std::uint32_t ball, const Vec3d& home) const {
@@ -138,6 +152,8 @@ class AccessibleSurface {
     const CommonPoints& points = shapes_.corners(corner / 2);
     return corner % 2 == 0 ? points.above : points.below;
   }
+  // The arc at a corner on an edge of the corner's triangle.
+  std::uint32_t& arc_at(CornerIndex corner, std::uint32_t edge);
   void place_arcs(double no_length);
   void gather_corners();
   bool is_low(CornerIndex corner) const;

@@ -2,9 +2,9 @@
 //
 // The area of a share is a sum of fans from a point z (share_formulas.hpp). Boundary segments of
 // the patch are cut where they cross the bisecting great circles, and each part counts for the atom
-// that is nearest to it. The bisecting circles themselves bound the shares too. For three atoms all
-// of them run through the point that is equally far from the three, which is z, so that their fans
-// are empty; for more atoms their parts in the patch are found and added.
+// that is nearest to it. Parts of the bisecting circles bound the shares too. With three atoms all
+// these circles run through z, the point that is equally far from the three, so their fans have no
+// area. With more atoms the parts that lie in the patch are found, and their fans are added.
 #include "excluded/atom_shares.hpp"
 
 #include <algorithm>
@@ -54,8 +54,9 @@ class ShareFinder {
   }
 
   // The vector from the point of contact with atom j to that with atom i, at right angles to the
-  // plane that bisects them. It is the difference of (c - x) / R for the grown balls of both, in
-  // which atoms that all but coincide keep their digits.
+  // plane that bisects them. The unit vector to a point of contact is (c - x) / R, with the centre
+  // c and the radius R of the grown ball and the probe's centre x. The difference of two such
+  // vectors is formed so that atoms that all but coincide lose no digits.
   Vec3d toward(std::size_t i, std::size_t j) const {
     const auto& balls = surface_.triangulation().balls;
     const Sphere &a = balls[shares_[i].ball], &b = balls[shares_[j].ball];

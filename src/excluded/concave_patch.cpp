@@ -1,10 +1,12 @@
 // concave_patch(): the polygon of a probe's sides and the caps of its neighbours, whose circles
 // find_segments() cuts and join_loops() chains.
 //
-// All decisions are made in double, and once more in wide numbers if one of them was close
-// (kDoubtful) or neighbours are (kNearProbe). In wide numbers the probes have slightly different
-// radii, which decides ties the same way for all patches that meet in a point.
+// All decisions are made in double. If one of them is doubtful (kDoubtful), or if a neighbour is
+// near (kNearProbe), all are made in wide numbers instead. There the probes have slightly different
+// radii, which decides ties in the same way for all patches that meet in a point.
 #include "excluded/concave_patch.hpp"
+
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,11 +23,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A decision in double is doubtful if its margin is smaller than this. The rounding of a cap's axis
-// is some 1e-15 over the distance of the probes in their radii; caps of probes nearer than
-// kNearProbe are doubtful at once, and so are circles of that radius.
+// A decision in double is doubtful if its margin is smaller than this. A cap's axis is wrong by
+// about 1e-15 divided by the distance of the two probes, in units of the probe's radius. If that
+// distance is below kNearProbe, or the radius of a side's circle is, wide numbers are used at once.
 constexpr double kDoubtful = 1e-10, kNearProbe = 1e-4;
-// Decisions in wide numbers with smaller margins are ties in spite of different radii.
+// A decision in wide numbers is a tie if its margin is smaller: the different radii have not
+// decided it.
 constexpr double kTied = 1e-56;
 
 // The exterior angle of the polygon at an atom.
@@ -70,16 +73,15 @@ bool is_on_circle(const AccessibleSurface& surface, std::uint32_t probe, std::ui
                      [&](const ProbeSide& s) { return surface.arcs[s.arc].edge == edge; });
 }
 
-// The next arc of a circle beyond the end of one, across the gap, that is neither dropped nor of a
-// component that is left out.
+// The arc that follows on the same circle, across the gap at this end of an arc. Arcs that do not
+// count are passed over.
 std::uint32_t arc_beyond(const AccessibleSurface& surface, std::span<const std::uint8_t> included,
                          std::uint32_t arc, ArcEnd end) {
   const auto side = static_cast<std::size_t>(end);
   std::uint32_t next = surface.arcs[arc].beyond[side];
-  const auto counts = [&](const RolledArc& a) {
-    return !a.dropped && included[surface.contacts[a.contact[0]].component] != 0;
-  };
-  while (next != arc && !counts(surface.arcs[next])) next = surface.arcs[next].beyond[side];
+  while (next != arc && !surface.counts(surface.arcs[next], included)) {
+    next = surface.arcs[next].beyond[side];
+  }
   return next;
 }
 
@@ -143,13 +145,13 @@ class PatchMaker {
     }
     const Vec3d apart = surface_.between(probe(), surface_.probes[other]);
     const double distance = norm(apart);
-    // Wide numbers find where nearest neighbours are.
+    // The cap of a probe as near as this gets its axis from wide numbers.
     const bool near = distance < kNearProbe * p_;
     const PatchCap cap{near ? Vec3d{0, 0, 1} : (1 / distance) * apart, distance / (2 * p_), other};
     if (near || (cap.cosine < 1 && may_meet_polygon(cap))) patch_.caps.push_back(cap);
   }
 
-  // Whether double is of no use from the start.
+  // Whether wide numbers are needed from the start.
   bool is_intricate() const {
     return std::any_of(patch_.caps.begin(), patch_.caps.end(),
                        [](const PatchCap& cap) { return cap.cosine < kNearProbe; }) ||
@@ -158,7 +160,7 @@ class PatchMaker {
            });
   }
 
-  // Whether no side has the whole cap on its outer side.
+  // Whether the cap may meet the polygon: no side has all of the cap on its outer side.
   bool may_meet_polygon(const PatchCap& cap) const {
     constexpr double kSlack = 1e-6;
     const double sine = circle_radius(cap.cosine);
@@ -198,10 +200,10 @@ ConcavePatch whole_patch(const AccessibleSurface& surface, std::uint32_t probe) 
 
 namespace {
 
-// The side of the plane of cap j on which a face in the plane of cap i is not covered. On the plane
-// of i the difference of both planes says the same as that of j; it is the negative of what faces
-// of j get, so that both are cut along one line, however near the planes are. A plane that is the
-// same leaves the face to the cap that comes first.
+// The half-space in which cap j does not cover the flat face of cap i. In the plane of cap i, the
+// inequality of plane j less that of plane i says the same as that of plane j alone. For the face
+// of cap j the difference has the other sign, so both faces are cut along one line, however near
+// the two planes are. If the planes are the same, the cap of lower index has the face.
 HalfSpace uncovered_side(const std::vector<PatchCap>& caps, std::size_t i, std::size_t j) {
   constexpr double kSame = 1e-15;
   const HalfSpace side{caps[j].axis - caps[i].axis, caps[j].cosine - caps[i].cosine};
@@ -236,6 +238,17 @@ Vec3d polygon_vector(const std::vector<PatchSide>& sides) {
 ConcavePatch concave_patch(const AccessibleSurface& surface, const LowProbes& low,
                            std::span<const std::uint8_t> included, std::uint32_t probe) {
   return PatchMaker(surface, included, probe).make(low);
+}
+
+std::vector<ConcavePatch> cut_patches(const AccessibleSurface& surface,
+                                      std::span<const std::uint8_t> included, Monitor* monitor) {
+  const LowProbes low(surface, included);
+  std::vector<ConcavePatch> patches(low.list().size());
+  tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t i) {
+    advance(monitor, 0);
+    patches[i] = concave_patch(surface, low, included, low.list()[i]);
+  });
+  return patches;
 }
 
 }  // namespace vdwmesh::excluded

@@ -51,8 +51,8 @@ struct PatchSegment {
   double turning;  // exterior angle at `to`; 0 on whole circles
 };
 
-// Decisions with margins below this come from the tie breaking of one surface: those of a part of
-// it may be others.
+// The different radii of the probes, which follow from their numbers, made a decision with a margin
+// below this. A surface with other numbers, as of some of the atoms, may decide otherwise.
 inline constexpr double kBrokenTie = 1e-45;
 
 // A connected piece of the patch.
@@ -91,5 +91,9 @@ double flat_faces(const ConcavePatch& patch, std::span<const HalfSpace> within);
 // probes are.
 ConcavePatch concave_patch(const AccessibleSurface& surface, const LowProbes& low,
                            std::span<const std::uint8_t> included, std::uint32_t probe);
+
+// The patches of all low probes of these components, by probe, ascending; made on all cores.
+std::vector<ConcavePatch> cut_patches(const AccessibleSurface& surface,
+                                      std::span<const std::uint8_t> included, Monitor* monitor);
 
 }  // namespace vdwmesh::excluded

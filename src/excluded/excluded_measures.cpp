@@ -84,7 +84,7 @@ class PatchSums {
   }
 
   const Vec3d& home_of(const RolledArc& arc) const {
-    return records_.home[surface_.contacts[arc.contact[0]].component];
+    return records_.home[surface_.component_of(arc)];
   }
 
   void add_contacts() {
@@ -92,7 +92,7 @@ class PatchSums {
       if (!included_[c.component]) continue;
       const double r = radius_[c.ball], grown = surface_.triangulation().balls[c.ball].radius;
       const Vec3d center = surface_.place(c.ball, records_.home[c.component]);
-      add(contact, r * r * c.solid_angle, r * r * (dot(center, c.vector) + r * c.solid_angle) / 3,
+      add(contact, r * r * c.solid_angle, flux_through(r, center, c.solid_angle, c.vector),
           (r * r) * c.vector);
       layer_[contact].add(c.solid_angle * (grown * grown * grown - r * r * r) / 3);
     }
@@ -109,7 +109,7 @@ class PatchSums {
         },
         [&](std::size_t i, const std::array<SaddleMeasures, 2>& halves) {
           const RolledArc& arc = surface_.arcs[i];
-          if (arc.dropped || !included_[surface_.contacts[arc.contact[0]].component]) return;
+          if (!surface_.counts(arc, included_)) return;
           const Vec3d at = surface_.place(arc, home_of(arc));
           for (const SaddleMeasures& m : halves) {
             add(saddle, m.area, m.flux + dot(at, m.vector) / 3, m.vector);
@@ -126,7 +126,7 @@ class PatchSums {
     for (const ConcavePiece& c : records_.pieces) {
       const Probe& probe = surface_.probes[c.probe];
       const Vec3d x = surface_.place(probe, records_.home[probe.component]);
-      add(concave, p * p * c.solid_angle, -p * p * (dot(x, c.vector) + p * c.solid_angle) / 3,
+      add(concave, p * p * c.solid_angle, -flux_through(p, x, c.solid_angle, c.vector),
           (-p * p) * c.vector);
     }
     layer_[concave].add(records_.layer);
@@ -142,9 +142,7 @@ class PatchSums {
       counts_.gathered_corners += probe.corner_count - 1;
     }
     for (const RolledArc& arc : surface_.arcs) {
-      if (included_[surface_.contacts[arc.contact[0]].component]) {
-        counts_.dropped_arcs += arc.dropped;
-      }
+      if (included_[surface_.component_of(arc)]) counts_.dropped_arcs += arc.dropped;
     }
   }
 
@@ -280,8 +278,7 @@ class ExcludedSum {
       if (arc.dropped) continue;
       const Profile profile = profile_of(arc);
       for (std::size_t k = 0; k < 2; ++k) {
-        area[surface_.contacts[arc.contact[0]].component].add(
-            measure_saddle(arc, p, profile, k).area);
+        area[surface_.component_of(arc)].add(measure_saddle(arc, p, profile, k).area);
       }
     }
     for (const ConcavePiece& c : records.pieces) {

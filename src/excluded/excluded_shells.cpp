@@ -54,9 +54,7 @@ class ShellSum {
     bool used = false;
   };
 
-  bool counts(const RolledArc& arc) const {
-    return !arc.dropped && included_[surface_.contacts[arc.contact[0]].component] != 0;
-  }
+  bool counts(const RolledArc& arc) const { return surface_.counts(arc, included_); }
   std::uint32_t half(std::size_t arc, std::size_t side) const {
     return static_cast<std::uint32_t>(first_half_ + 2 * arc + side);
   }
@@ -111,21 +109,22 @@ class ShellSum {
       Sum& sum = at(i);
       sum.area.add(r * r * c.solid_angle);
       const Vec3d center = surface_.place(c.ball, records_.home[c.component]);
-      sum.flux.add(r * r * (dot(center, c.vector) + r * c.solid_angle) / 3);
+      sum.flux.add(flux_through(r, center, c.solid_angle, c.vector));
       sum.bend.add(c.solid_angle);
       sum.sixths += 6 * (2 - static_cast<std::int64_t>(c.loops));
     }
   }
 
-  // A half has its edge with the contact piece and its face. At the tip of a spindle the angles of
-  // the saddle's fans count against the cusp's 2 π.
+  // Counts χ of the halves: -1 for the edge along each contact piece, +1 for a face, which is the
+  // whole saddle, or either half of a spindle. A ring's edges are closed and count nothing, and its
+  // saddle is an annulus with χ = 0 unless it is a spindle. A cusp bends the surface by 2 π less
+  // the angles of the halves that end in it.
   void add_saddles() {
     for (std::uint32_t i = 0; i < surface_.arcs.size(); ++i) {
       const RolledArc& arc = surface_.arcs[i];
       if (!counts(arc)) continue;
       const Profile profile = profile_of(arc);
-      const std::uint32_t component = surface_.contacts[arc.contact[0]].component;
-      const Vec3d middle = surface_.place(arc, records_.home[component]);
+      const Vec3d middle = surface_.place(arc, records_.home[surface_.component_of(arc)]);
       for (std::size_t k = 0; k < 2; ++k) {
         const SaddleMeasures m = measure_saddle(arc, surface_.probe_radius, profile, k);
         Sum& sum = at(half(i, k));
@@ -144,14 +143,14 @@ class ShellSum {
     }
   }
 
-  // The cusp of a ring is inside of its face, which is a disk.
+  // The cusp of a ring lies inside of its face, a disk, and is no vertex.
   void add_cusp(Sum& sum, bool ring) {
     sum.bend.add(2 * kPi);
     ++table_.cusps;
     if (!ring) sum.sixths += 6;
   }
 
-  // Whether no arc of the same circle that counts has a lower number.
+  // Whether this arc has the lowest number of the arcs of its circle that count.
   bool is_first_on_circle(std::uint32_t arc) const {
     for (std::uint32_t i = surface_.arcs[arc].beyond[1]; i != arc; i = surface_.arcs[i].beyond[1]) {
       if (i < arc && counts(surface_.arcs[i])) return false;
@@ -167,11 +166,11 @@ class ShellSum {
       sum.area.add(p * p * c.solid_angle);
       const Probe& probe = surface_.probes[c.probe];
       const Vec3d x = surface_.place(probe, records_.home[probe.component]);
-      sum.flux.add(-p * p * (dot(x, c.vector) + p * c.solid_angle) / 3);
+      sum.flux.add(-flux_through(p, x, c.solid_angle, c.vector));
       sum.bend.add(c.bend);
       sum.sixths += 6 * (2 - static_cast<std::int64_t>(c.loops));
     }
-    // The vertices in which sides end, and the sides themselves: one, or two to the cusps.
+    // A side counts for the vertex in which it ends, and for one edge, or for two if cusps cut it.
     for (std::size_t s = 0; s < surface_.sides.size(); ++s) {
       const auto& [near_a, near_b] = records_.side_piece[s];
       if (near_a == kNoIndex || near_b == kNoIndex) continue;

@@ -6,8 +6,6 @@
 // the piece nowhere. Chords from one point of a sphere to others are ordered as these ways are.
 #include "excluded/judged_surface.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,8 +85,9 @@ JudgedSurface::JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart 
     : grown(atoms, probe, monitor),
       unit(std::ldexp(1.0, grown.exponent)),
       included(components_of(grown.surface, part)),
+      cut(cut_patches(grown.surface, included, monitor)),
       cut_of(grown.surface.probes.size(), kNoIndex) {
-  make_patches(monitor);
+  for (std::uint32_t i = 0; i < cut.size(); ++i) cut_of[cut[i].probe] = i;
   for (const ConcavePatch& patch : cut) add_creases(patch);
   for (const RolledArc& arc : grown.surface.arcs) {
     if (!includes(arc)) continue;
@@ -140,16 +139,6 @@ bool JudgedSurface::includes_place(SphereId sphere, const Vec3d& point) const {
     is_included = border.included;
   }
   return is_included;
-}
-
-void JudgedSurface::make_patches(Monitor* monitor) {
-  const LowProbes low(grown.surface, included);
-  cut.resize(low.list().size());
-  tbb::parallel_for(std::size_t{0}, cut.size(), [&](std::size_t i) {
-    advance(monitor, 0);
-    cut[i] = concave_patch(grown.surface, low, included, low.list()[i]);
-  });
-  for (std::uint32_t i = 0; i < cut.size(); ++i) cut_of[cut[i].probe] = i;
 }
 
 bool JudgedSurface::has_certified_patch(std::uint32_t probe) const {

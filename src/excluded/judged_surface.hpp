@@ -52,9 +52,7 @@ struct JudgedSurface {
   std::vector<CircleArc> curves;      // creases and cusps
   std::vector<CircleArc> arcs;        // on which the included probes roll
 
-  bool includes(const RolledArc& arc) const {
-    return !arc.dropped && included[grown.surface.contacts[arc.contact[0]].component] != 0;
-  }
+  bool includes(const RolledArc& arc) const { return grown.surface.counts(arc, included); }
   bool includes_all() const { return pieces_.empty(); }
   // Whether an accessible point, Å, of the grown ball of a sphere is a place of an included probe.
   bool includes_place(SphereId sphere, const Vec3d& point) const;
@@ -74,7 +72,6 @@ struct JudgedSurface {
   };
   CircleArc in_place(const RolledArc& arc) const;
   void sort_balls();
-  void make_patches(Monitor* monitor);
   bool has_certified_patch(std::uint32_t probe) const;
   void add_creases(const ConcavePatch& patch);
   void add_cusps(const RolledArc& arc);

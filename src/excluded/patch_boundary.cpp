@@ -1,8 +1,9 @@
-// find_segments(): each cap's circle is cut by the other caps; what no cap covers and lies in the
-// polygon of the sides is a segment of the boundary. So are the sides, without the part between the
-// cusps of a spindle.
+// find_segments(): each cap's circle is cut by the other caps. A part that no cap covers is a
+// segment of the boundary if it lies in the polygon of the sides. A side is a segment too; the side
+// of a spindle is two, without the part between its cusps.
 //
-// A circle leaves the polygon through cusps alone, so one point of a part decides about all of it.
+// A circle leaves the polygon through cusps alone, where it is cut. So one point of a part tells
+// whether all of it lies in the polygon.
 #include "excluded/patch_boundary.hpp"
 
 #include <algorithm>
@@ -12,7 +13,8 @@
 namespace vdwmesh::excluded {
 namespace {
 
-// A point of a circle that is this deep in the polygon, or outside of it, decides alone.
+// If the depth of a point (polygon_depth()) is larger than this, or below its negative, no other
+// point of the part is tested.
 constexpr double kDeep = 1e-6;
 
 template <class T>
@@ -60,11 +62,11 @@ class SegmentFinder {
     for (const Uncovered<T>& part : uncovered_parts(covered, margin_)) add_arc(c, part);
   }
 
-  // Segments run clockwise about the cap's axis, against the uncovered part.
+  // A segment runs clockwise about the cap's axis, an uncovered part counter-clockwise.
   void add_arc(std::uint32_t c, const Uncovered<T>& part) {
     const Vector<T>& from = part.ahead.from.point;
     const Vector<T>& to = part.behind.to.point;
-    // A part may touch a side in one point, but not in several.
+    // One tested point may lie on a side, where the depth says nothing, but not several.
     double depth = 0;
     for (const double fraction : {0.5, 0.3, 0.8}) {
       const double here =
@@ -78,8 +80,9 @@ class SegmentFinder {
                                turning_between(c, next, to)});
   }
 
-  // How deep a point of circle c is in the polygon; negative outside. Sides whose cusps end the
-  // circle have been taken into account.
+  // How deep a point of circle c is in the polygon: its distance from the plane of the nearest
+  // side, negative outside. A side whose cusps are on the circle is left out, because the circle
+  // was cut there.
   double polygon_depth(std::uint32_t c, const Vector<T>& point) const {
     double least = 1;
     for (std::size_t s = 0; s < patch_.sides.size(); ++s) {

@@ -1,5 +1,5 @@
-// circles_in_wide(): places the probes by the corners at which they are, in wide numbers, and
-// bisects the balls of the patch's probe and of each cap's.
+// circles_in_wide(): a probe's centre is a corner of three grown balls, computed in wide numbers.
+// The circle of a cap is in the plane that bisects the balls of the two probes.
 #include "excluded/patch_circles.hpp"
 
 #include <cmath>

@@ -26,9 +26,9 @@ struct PatchCircles {
 
 PatchCircles<double> circles_in_double(const ConcavePatch& patch);
 
-// From the atoms themselves. The patch gets the same circles, rounded. Ties are broken by slightly
-// different radii of the probes, by their numbers. A patch with a cap of a probe in the same place
-// is not certified.
+// Computes the circles from the balls of the atoms, and writes them, rounded, to the patch. To
+// break ties, the probes' radii are made slightly different, by their numbers. If another probe is
+// in the same place, the patch is marked as not certified.
 PatchCircles<WideFloat> circles_in_wide(const AccessibleSurface& surface, ConcavePatch& patch);
 
 }  // namespace vdwmesh::excluded

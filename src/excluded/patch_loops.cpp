@@ -1,8 +1,9 @@
 // join_loops(): chains segments by the names of the circles that meet in their ends.
 //
-// Gauss–Bonnet gives the area on the left of each loop as if it bounded a disk: 2 π + Σ φ h - Σ ε.
-// The polygon is a disk in a hemisphere. So a loop with a side is not the rim of a hole, and one
-// without is if the area is 2 π or more.
+// Gauss–Bonnet gives the area on the left of each loop as if it bounded a disk: 2 π + Σ φ h - Σ ε,
+// with the angles φ of the segments, the cosines h of their circles and the exterior angles ε. The
+// polygon of all sides is a disk in a hemisphere. So a loop with a segment of a side bounds a piece
+// from outside. A loop of caps alone is the rim of a hole if the area on its left is 2 π or more.
 #include "excluded/patch_loops.hpp"
 
 #include <cmath>
@@ -16,8 +17,8 @@ namespace vdwmesh::excluded {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Far more than the sum of a loop's angles is wrong by, far less than a side, or a cap that
-// separates a piece from all sides, leaves of a hemisphere.
+// Solid angle. It is far more than the rounding of a loop's area, and far less than a hemisphere
+// has beside a piece that caps alone bound.
 constexpr double kRounding = 1e-6;
 
 class LoopJoiner {
@@ -38,7 +39,7 @@ class LoopJoiner {
       add_to_piece(static_cast<std::uint32_t>(outer.size()), loop, loop.solid_angle);
       outer.push_back(&loop);
     }
-    // Holes in nothing: something went wrong before.
+    // There are holes, but no piece: a decision was wrong.
     if (outer.empty() && !all.empty()) {
       patch_.certified = false;
       patch_.pieces.push_back({4 * kPi, {0, 0, 0}, 0});
@@ -112,7 +113,7 @@ class LoopJoiner {
     for (const std::uint32_t s : loop.segments) patch_.segments[s].piece = piece;
   }
 
-  // The piece in which a hole is: of those whose outer loop is around it the smallest.
+  // The piece in which a hole is: the smallest of the pieces whose outer loop is around it.
   std::uint32_t piece_around(const Loop& hole, const std::vector<const Loop*>& outer) {
     if (outer.size() == 1) return 0;
     const Vec3d& point = patch_.segments[hole.segments[0]].from;
@@ -127,8 +128,9 @@ class LoopJoiner {
     return best == kNoIndex ? 0 : best;
   }
 
-  // Whether a loop is around a point: whether it crosses the half great circle from the point past
-  // the middle of the other hemisphere an odd number of times.
+  // Whether a loop is around a point. Half a great circle leads from the point, through the
+  // hemisphere without the polygon, to the opposite point, which is outside of the polygon. The
+  // loop is around the point if it crosses this half an odd number of times.
   bool is_inside(const Vec3d& point, const Loop& loop) const {
     Vec3d away{0, 0, 0};
     for (const PatchSide& s : patch_.sides) away = away - s.contact[0];

@@ -28,7 +28,8 @@ CreaseEnd common_point(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   return {{a, b, c}, positive};
 }
 
-// The cusp in which a side meets a cap: side segments end at the first one and begin at the second.
+// A cusp of a spindle's side. The side has two segments: the first one ends in cusp 0, the second
+// one begins in cusp 1.
 CreaseEnd cusp(const AccessibleSurface& surface, const PatchSide& side, std::size_t which) {
   const RolledArc& arc = surface.arcs[side.arc];
   return cusp_of(arc, arc.ball[0] == side.atom[which] ? 0 : 1);
@@ -119,8 +120,7 @@ void PatchRecords::add_cut(const AccessibleSurface& surface, const ConcavePatch&
   for (const PatchSegment& s : patch.segments) {
     ConcavePiece& piece = pieces[first + s.piece];
     if (s.circle >= caps) {
-      // A side's first segment is near the atom where the side begins, the other one near the
-      // other.
+      // The side of a spindle has two segments, one at either atom. Any other side has one.
       const PatchSide& side = patch.sides[s.circle - caps];
       const bool from_a = surface.arcs[side.arc].ball[0] == side.atom[0];
       auto& near = side_piece[surface.probes[patch.probe].first_side + s.circle - caps];

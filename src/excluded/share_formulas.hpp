@@ -30,8 +30,9 @@ struct SphereArc {
   }
 };
 
-// The fan from z over an arc of at most a radian: over the chord, and between chord and arc, which
-// is the difference of the fans from the circle's axis.
+// The fan from z over an arc from p to q of at most one radian: the fan over the chord, the great
+// circle from p to q, and the area between chord and arc. Taken from the circle's axis, that area
+// is the fan over the arc, angle (1 - cosine), less the fan over the chord.
 VDWMESH_HD inline double short_fan(const Vec3d& z, const SphereArc& arc, const Vec3d& p,
                                    const Vec3d& q, double angle) {
   return triangle_angle(z, p, q) + angle * (1 - arc.cosine) - triangle_angle(arc.axis, p, q);

@@ -1,5 +1,5 @@
-// SurfaceSamples: lattices on the spheres of atoms and probes, less what is no patch, and points at
-// even steps of area on saddles.
+// SurfaceSamples: on spheres of atoms and probes those points of a lattice that lie in the patch,
+// and on saddles points at even steps of area.
 //
 // A concave patch is the sphere of its probe less caps: a half-sphere behind each side, and what
 // other probes cover. So it is sampled as the patch of a ball is.
@@ -30,25 +30,25 @@ std::vector<ProfileRange> ranges_of(const RolledArc& arc) {
   return {{profile.end[0], -profile.cusp}, {profile.cusp, profile.end[1]}};
 }
 
-// The area of a saddle up to a profile angle, over its turn and the probe's radius.
-double area_up_to(double rho, double p, double from, double to) {
+// The area of a saddle between two profile angles, divided by its turn and by the probe's radius.
+double area_between(double rho, double p, double from, double to) {
   return rho * (to - from) - p * (std::sin(to) - std::sin(from));
 }
 
 // The profile angle up to which a range has this share of its area: bisection to about 1e-12 rad,
 // which is far below what a sample's place has to be.
 double profile_at(double rho, double p, const ProfileRange& range, double share) {
-  const double wanted = share * area_up_to(rho, p, range.from, range.to);
+  const double wanted = share * area_between(rho, p, range.from, range.to);
   double below = range.from, above = range.to;
   for (int step = 0; step < 42; ++step) {
     const double middle = 0.5 * (below + above);
-    (area_up_to(rho, p, range.from, middle) < wanted ? below : above) = middle;
+    (area_between(rho, p, range.from, middle) < wanted ? below : above) = middle;
   }
   return 0.5 * (below + above);
 }
 
-// The caps that leave a concave patch of its probe's sphere. Nothing is shared with other patches
-// by their place.
+// The caps that are taken from the probe's sphere; a concave patch is the rest. Their Cover::place
+// is not used.
 std::vector<Cover> covers_of(const std::vector<PatchSide>& sides,
                              const std::vector<PatchCap>& caps) {
   std::vector<Cover> covers;
@@ -79,7 +79,8 @@ void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& inside,
   add_curve(surface_.curves[element - s.probes.size()], border);
 }
 
-// The directions in which a grown ball is exposed are those in which its atom is.
+// Seen from the centre, the contact patch of an atom is where the exposed part of the grown ball
+// is.
 void SurfaceSamples::add_contact(const Patch& grown, Random random, std::vector<Vec3d>& inside,
                                  std::vector<Vec3d>& border) const {
   Patch patch = grown;
@@ -116,7 +117,7 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, std::vector
   for (const ProfileRange& range : ranges_of(arc)) {
     if (!(range.from < range.to)) continue;
     const double area =
-        surface_.unit * surface_.unit * arc.angle * p * area_up_to(rho, p, range.from, range.to);
+        surface_.unit * surface_.unit * arc.angle * p * area_between(rho, p, range.from, range.to);
     const auto count = static_cast<std::uint64_t>(std::max(area, 0.0) * density_ + random.next());
     const double shift = random.next();
     for (std::uint64_t i = 0; i < count; ++i) {

@@ -7,8 +7,8 @@
 namespace vdwmesh::excluded {
 namespace {
 
-// A difference in double of numbers up to 1 is certain if it is above this: corners lose four
-// digits at most before they are computed with more.
+// If two numbers up to 1 differ by more than this in double, the larger one is certain. A corner in
+// double has lost four digits at most; a corner that would lose more is computed with more digits.
 constexpr double kSurelyApart = 1e-11;
 
 WideVector wide(const Vec3d& v) { return {WideFloat(v.x), WideFloat(v.y), WideFloat(v.z)}; }

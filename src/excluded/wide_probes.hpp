@@ -1,11 +1,11 @@
 // Probes and the circles on which they roll, in wide numbers: for decisions that double leaves
 // open.
 //
-// All squared radii of grown balls are larger by kGrowth here. That leaves the power diagram as it
-// is, and the dual complex, which is that of closed balls, is the one of all balls that are larger
-// by little enough. So what ties in the doubles given is decided as the complex decides it: where
-// grown balls have a single point in common a probe fits on both sides of it, and the circle of a
-// probe's own radius makes no spindle.
+// The squared radius of every grown ball is larger by kGrowth here. That does not change the power
+// diagram. Nor does it change the dual complex, because this is the complex of closed balls. So a
+// tie between the given doubles is decided as in the complex: if grown balls have a single point in
+// common, a probe fits on both sides of it, and a circle of just the probe's radius makes no
+// spindle.
 #pragma once
 
 #include <array>
@@ -17,8 +17,9 @@ namespace vdwmesh::excluded {
 
 using WideVector = numbers::Vector<WideFloat>;
 
-// Lengths are scaled: the largest grown ball has a radius from 1/2 to 1. Probes on both sides of
-// atoms in whose plane they are, are then at least the root of this from it.
+// Lengths are scaled: the largest grown ball has a radius from 1/2 to 1. Two probes in the plane of
+// the atoms that they touch are moved apart by it: each is then at least the root of this from the
+// plane.
 inline constexpr double kGrowth = 1e-40;
 
 // The circle in which two grown spheres meet. Positions are those of the triangulation.

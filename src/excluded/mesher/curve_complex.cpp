@@ -6,7 +6,6 @@
 #include "excluded/mesher/curve_complex.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,9 +53,11 @@ void visit_creases(const AccessibleSurface& surface, const ConcavePatch& patch,
 
 CurveComplex::CurveComplex(const GrownAtoms& grown, std::span<const std::uint8_t> included,
                            Monitor* monitor)
-    : grown_(grown), included_(included) {
+    : cut(cut_patches(grown.surface, included, monitor)), grown_(grown), included_(included) {
   curves.sizes = {0, 0};
-  make_patches(monitor);
+  for (const ConcavePatch& patch : cut) {
+    if (!patch.certified) refuse(patch.probe, "its creases do not close");
+  }
   list_faces();
   place_corners();
   place_named_corners();
@@ -72,18 +73,6 @@ CurveComplex::CurveComplex(const GrownAtoms& grown, std::span<const std::uint8_t
     }
   };
   curves_of_.fill(face_count(), each_curve);
-}
-
-void CurveComplex::make_patches(Monitor* monitor) {
-  const LowProbes low(surface(), included_);
-  cut.resize(low.list().size());
-  tbb::parallel_for(std::size_t{0}, cut.size(), [&](std::size_t i) {
-    advance(monitor, 0);
-    cut[i] = concave_patch(surface(), low, included_, low.list()[i]);
-  });
-  for (const ConcavePatch& patch : cut) {
-    if (!patch.certified) refuse(patch.probe, "its creases do not close");
-  }
 }
 
 void CurveComplex::list_faces() {

@@ -25,7 +25,8 @@
 
 namespace vdwmesh::excluded {
 
-// Everything that is exposed of an atom, or the concave patch of a probe: a sphere less caps.
+// A face that is a sphere less caps: all contact pieces of an atom together, or the concave patch
+// of a probe.
 struct SphereFace {
   bool concave;
   std::uint32_t element;  // a ball of the triangulation, or a probe
@@ -67,7 +68,8 @@ class CurveComplex {
 
  private:
   enum class Kind : std::uint8_t { contact, side, crease };
-  // What a curve is to the faces on its right and on its left.
+  // What a curve is to the face on its right (0) and on its left (1), if that is a sphere: an arc
+  // of a circle with this name and this cosine of its angular radius.
   struct Rims {
     Kind kind;
     std::array<std::uint32_t, 2> circle;
@@ -75,15 +77,12 @@ class CurveComplex {
   };
 
   const AccessibleSurface& surface() const { return grown_.surface; }
-  bool counts(const RolledArc& arc) const {
-    return !arc.dropped && included_[surface().contacts[arc.contact[0]].component] != 0;
-  }
+  bool counts(const RolledArc& arc) const { return surface().counts(arc, included_); }
   Vec3d probe_center(std::uint32_t probe) const { return surface().probes[probe].center; }
   std::uint32_t saddle_face(std::uint32_t index) const {
     return static_cast<std::uint32_t>(spheres.size()) + index;
   }
 
-  void make_patches(Monitor* monitor);
   void list_faces();
   void place_corners();
   void place_named_corners();
@@ -109,7 +108,7 @@ class CurveComplex {
 
   const GrownAtoms& grown_;
   std::span<const std::uint8_t> included_;
-  std::vector<std::uint32_t> face_of_ball_, face_of_probe_;
+  std::vector<std::uint32_t> face_of_ball_, face_of_probe_;  // kNoIndex: there is none
   std::vector<std::uint32_t> first_corner_;  // by probe: those of its sides, where they begin
   std::vector<CreaseEnd> names_;             // ascending: of the corners from first_named_ on
   std::uint32_t first_named_ = 0;

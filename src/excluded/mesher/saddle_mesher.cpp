@@ -22,7 +22,8 @@ namespace {
 using Location = PlaneTriangulation::Location;
 using Place = PlaneTriangulation::Place;
 
-// No triangle spans a larger turn about the axis, and no row of points has fewer in a turn.
+// rad about the saddle's axis. No triangle spans more than kWidestTurn; points that follow each
+// other in a row are at most kRowTurn apart.
 constexpr double kWidestTurn = 0.9, kRowTurn = 0.75;
 // The largest edge length as a fraction of the probe's radius.
 constexpr double kLongestEdge = 0.8;
@@ -98,7 +99,9 @@ class SaddleTriangulator {
     splits_.push_back({pieces_[piece].source, halvings});
   }
 
-  // Counter-clockwise: along a, up the end of the arc, back along b, down its start.
+  // Lists the boundary counter-clockwise, as runs 0 to 3: along the contact curve of ball a, up the
+  // profile at the arc's end, back along the contact curve of ball b, down the profile at the arc's
+  // start.
   void gather() {
     if (face_.contact[0] != kNoIndex) add_run(face_.contact[0], false, 0);
     add_run(face_.profile[1], false, 1);
@@ -106,7 +109,7 @@ class SaddleTriangulator {
     add_run(face_.profile[0], true, 3);
     const auto count = static_cast<std::uint32_t>(points_.size());
     for (std::uint32_t i = 0; i < count; ++i) {
-      // A point ends the run before its own.
+      // A point is the end of the piece before it, too.
       points_[i].runs |= 1u << pieces_[(i + count - 1) % count].run;
     }
     boundary_count_ = count;
@@ -318,8 +321,8 @@ class SaddleTriangulator {
     return std::find(vertices.begin(), vertices.end(), cusp_) != vertices.end();
   }
 
-  // The fan around a cusp is divided for its own sake only. Its angles are given, and points that
-  // were inserted there to mend triangles beside it would come ever closer to the cusp.
+  // No point is inserted in the fan around a cusp to mend a triangle beside the fan. The angles of
+  // the fan are given, and such points would come ever closer to the cusp.
   void refine() {
     std::vector<Candidate> queue;
     const auto queue_if_bad = [&](std::uint32_t t) {
@@ -339,7 +342,7 @@ class SaddleTriangulator {
     }
   }
 
-  // Divides the turn of a triangle, however near that is to a curve.
+  // Inserts a point in the middle of a triangle's turn, even if a curve is near.
   template <class Visit>
   void insert_between(const Turn& turn, std::uint32_t t, const Visit& queue_if_bad) {
     const TorusPoint &a = points_[turn.from].torus, &b = points_[turn.to].torus;
@@ -372,7 +375,8 @@ class SaddleTriangulator {
     return false;
   }
 
-  // Asks for splits where a triangle faces inwards at a vertex: of its own pieces, or of all.
+  // If a triangle faces inwards at one of its vertices, asks to split the pieces among its edges,
+  // or all pieces if there are none.
   void find_defects() {
     visit_inside([&](std::uint32_t t) {
       const LinkedTriangle& w = plane_.triangle(t);
