@@ -1,8 +1,8 @@
-// make_border_mesh(): a rank sends its triangles that have vertices of other ranks to the owners of
-// these. It then knows all vertices of its part, and tells their owners so (halo.hpp), who send
-// their positions. Vertices are numbered anew, in the order of their owners and, of one owner, in
-// that of their numbers: the own ones are then one run, and all ranks agree which of two vertices
-// comes first.
+// make_border_mesh(): a rank sends each of its triangles that has vertices of other ranks to the
+// owners of these vertices. With the triangles that arrive it knows all vertices of its part. It
+// names them to their owners (halo.hpp), which send their positions. The vertices of a part are
+// sorted by owner, then by number: so the own vertices are one run, and all ranks agree which of
+// two vertices comes first.
 #include "distributed/border_mesh.hpp"
 
 #include <algorithm>

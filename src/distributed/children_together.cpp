@@ -1,6 +1,6 @@
-// Own vertices stay in front of those elsewhere, which move up by the number of own midpoints. The
-// midpoints that other ranks own come behind all other vertices elsewhere, since their numbers are
-// higher.
+// make_children(): local numbers of the vertices of the children. First come the own vertices of
+// the parent, then the own midpoints, then the vertices of other ranks: those that the parent has,
+// and behind them the midpoints, because the numbers in `elsewhere` must ascend.
 #include "distributed/children_together.hpp"
 
 #include <algorithm>

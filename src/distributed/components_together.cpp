@@ -1,7 +1,8 @@
-// join_components(): a set of spheres that has none of the share in it is of no interest, since
-// other ranks know more of it. A sphere of another share that is in one of the other sets is on the
-// border. All ranks hear of these, and say which of their sets the spheres are in; sets with a
-// sphere in common are one (joined_sets.hpp).
+// join_components(): a rank has sets of connected spheres, of its share and of those near it. It
+// leaves out a set without a sphere of the share, because another rank has all of it. In the
+// remaining sets, a sphere of another share is on the border. All ranks get the list of these
+// spheres, and say which of their sets they are in. Sets with a sphere in common are one
+// (joined_sets.hpp).
 #include "distributed/components_together.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // The levels of refine/level.cpp for a mesh with labelled triangles, on pieces. The midpoint of an
-// edge lies on the spheres of the two triangles beside it; what the other one's is says
-// edges_together.hpp, and where vertices of other ranks are says border_mesh.hpp. Vertices do not
-// move once they are made, so nothing has to be taken back.
+// edge lies on the spheres of the two triangles beside it. If one of the triangles is of another
+// rank, edges_together.hpp has its sphere. The positions of vertices of other ranks come from
+// border_mesh.hpp. Vertices do not move once they are made, so nothing has to be taken back.
 #include "distributed/constrain_together.hpp"
 
 #include <utility>
@@ -92,7 +92,7 @@ class ConstrainedRefinement {
     return end_level([&] { return stats; });
   }
 
-  // The part is that of the parent still, whose own triangles come first and have the same order.
+  // part_ is still that of the parent. Its first triangles are the own ones, in the same order.
   ProjectionStats make_midpoints(const NumberedEdges& edges, const Buffer<SphereId>& spheres) {
     IndexedMesh& mesh = piece_.mesh;
     const IndexedMesh& parent = part_.mesh;

@@ -1,7 +1,7 @@
-// distribution_together(): the ranks add up their sums and histograms, from which follows in which
-// bin each percentile is. The bits of a percentile below its bin are then found a few at a time,
-// the highest first: the ranks count their values by these bits, and keep those that agree with the
-// percentile. No value has to travel.
+// distribution_together(): the ranks add up their sums and histograms. The histogram says in which
+// bin each percentile is, which gives the upper bits of the value. Its lower bits are found a few
+// at a time, from the highest on: the ranks count their values by these bits, and keep the values
+// that agree with the percentile so far. So no values are sent.
 #include "distributed/distribution_together.hpp"
 
 #include <algorithm>

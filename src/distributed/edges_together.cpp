@@ -1,8 +1,8 @@
-// number_edges_together(): most half-edges have their opposites in the same piece. Of the others,
-// those of one edge meet at one rank, the owner of the edge's vertex of lower number, which tells
-// each of them the other one. A prefix sum over the counts of own edges gives each rank its first
-// number. The owner of an edge on a border then tells its number to the rank of the upper
-// half-edge.
+// number_edges_together(): most half-edges have their opposites in the same piece. The others,
+// called open, are sent to the rank that owns the edge's vertex of lower number. There the two of
+// an edge meet, and each sender is told the opposite. A prefix sum over the counts of own edges
+// gives each rank its first number. The owner of an edge on a border then tells the edge's number
+// to the rank of the upper half-edge.
 #include "distributed/edges_together.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct OpenHalfEdge {
   SphereId sphere;  // of its triangle; kNoSphere if triangles have no labels
 };
 
-// What its owner is told.
+// What the sender of an open half-edge is told.
 struct Opposite {
   std::uint64_t half_edge;
   SphereId sphere;
@@ -33,7 +33,7 @@ struct ToldEdge {
   std::uint64_t half_edge, edge;
 };
 
-// An open half-edge where those of an edge meet.
+// An open half-edge at the rank where the two of an edge meet.
 struct MetHalfEdge {
   OpenHalfEdge what;
   std::size_t rank, place;  // who sent it, and where it stands in that message
@@ -120,7 +120,7 @@ class EdgeNumberer {
     }
   }
 
-  // Edges whose lower half-edge is of another rank are left out.
+  // Numbers the edges whose lower half-edge is of this rank.
   void number_own() {
     const std::size_t count = opposite_.size();
     edges_.edge.resize(count);
@@ -148,7 +148,8 @@ class EdgeNumberer {
         [&](std::size_t h, const Opposite& opposite) { edges_.other_sphere[h] = opposite.sphere; });
   }
 
-  // Ranks without triangles begin where the next one does.
+  // A rank without triangles begins where the next one does, so the last rank that begins there has
+  // it.
   std::size_t owner_of_half_edge(std::uint64_t half_edge) const {
     const auto behind = std::ranges::upper_bound(first_triangles_, half_edge / 3);
     return static_cast<std::size_t>(behind - first_triangles_.begin()) - 1;

@@ -78,7 +78,8 @@ class FanParting {
     std::size_t rank;  // that has the triangle
   };
 
-  // Finds the fans of the own corners. Copies are counted from 0 still.
+  // Finds the fans of the own corners. The vertices of moved_ count copies from 0 on;
+  // append_copies() adds the number of the first one.
   void part_own(const std::vector<std::vector<CornerWedge>>& heard) {
     std::vector<Arrived> all;
     for (std::size_t rank = 0; rank < heard.size(); ++rank) {
@@ -116,7 +117,8 @@ class FanParting {
     copies_ += fans.labels.size() - 1;
   }
 
-  // Gives the copies their numbers. Vertices elsewhere move up behind them.
+  // Gives the copies their numbers. The local numbers of vertices elsewhere grow by the number of
+  // own copies.
   void append_copies(const std::vector<std::uint64_t>& copies) {
     const std::size_t before = piece_.numbers.own();
     piece_.numbers.append(copies);

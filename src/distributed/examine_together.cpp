@@ -1,7 +1,7 @@
 // examine_together(): every rank measures its part of the mesh (border_mesh.hpp). Counts and exact
 // sums add up. Shells are sets of connected vertices: each rank finds those of its part, and the
-// first one joins them over the borders. A shell that lies in one part is summed up there; of all
-// others the terms go to the first rank.
+// first one joins them over the borders. The area and volume of a shell that lies in one part are
+// summed there; the terms of all other shells are sent to the first rank.
 #include "distributed/examine_together.hpp"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 // HostMemory: the lowest rank of a host, its leader, makes an anonymous file in memory, and the
 // others map it by the name that it has among the leader's open files in /proc. The leaders send
-// each other the contents; so they travel once to a host, not once to a rank.
+// each other the contents, so these are sent once to each host and not once to each rank.
 //
-// Windows of MPI would do the same, but Open MPI keeps them in /dev/shm, which containers often
-// limit to 64 MB, and ends the run where that does not suffice. A mapping that fails here, on
-// whichever rank, is no failure: all ranks of that host then take copies.
+// Shared windows of MPI would do the same, but Open MPI keeps them in /dev/shm, which containers
+// often limit to 64 MB, and ends the run if that does not suffice. If a mapping fails here on any
+// rank of a host, all its ranks take copies instead.
 #include "distributed/host_memory.hpp"
 
 #include <fcntl.h>
@@ -43,7 +43,7 @@ void* map(int descriptor, std::size_t size, int protection) {
   return place == MAP_FAILED ? nullptr : place;
 }
 
-// Memory is reserved here, so that its lack shows here and not when it is written to.
+// Reserves the memory, so that a lack of it fails here, and not by a signal at the first write.
 int make_file(std::size_t size) {
   const int descriptor = ::memfd_create("vdwmesh", MFD_CLOEXEC);
   if (descriptor < 0) return -1;
@@ -71,8 +71,8 @@ FileName share_name(const Ranks& ranks, int descriptor) {
           ranks.shared_on_host(node)};
 }
 
-// Null where it fails. Where ranks are in containers of their own, the number of the process may
-// be that of another one here, whose file is then another one.
+// Null if it fails. If ranks run in containers of their own, the number of the leader's process may
+// here be that of another process; its file differs from the leader's, and is refused.
 void* map_named(const FileName& file, std::size_t size) {
   if (file.number < 0) return nullptr;
   const std::string name = fmt::format("/proc/{}/fd/{}", file.process, file.number);

@@ -1,4 +1,4 @@
-// Sets that were made in parts, and that elements on borders join.
+// Sets of which every rank knows parts. Parts that have an element in common are parts of one set.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,11 @@ class JoinedSets {
  public:
   explicit JoinedSets(std::vector<BorderElement> border);
 
-  // The number of sets that are left of `sets` sets, of which those on borders are some.
+  // How many sets there are after joining, if there were `sets` before, those on borders included.
   std::uint64_t count(std::uint64_t sets) const { return sets - names_.size() + joined_.count(); }
 
-  // A number that all sets have that were made one with this one; nothing if it is on no border.
+  // A number that is the same for all sets that were joined with this one; nothing if the set is on
+  // no border.
   std::optional<std::uint32_t> number_of(std::uint64_t set);
 
  private:

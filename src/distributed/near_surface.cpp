@@ -1,9 +1,9 @@
-// NearSurface: spheres are chosen by z, as shares of a surface are. A projection tries points
-// within its reach of the start, and asks there for balls that are no farther than the reach, or
-// for atoms whose field reaches the point. So spheres whose interval of z comes within twice the
-// reach of a start are enough. The list of these visits them in the order in which a list of all
-// spheres does, since it has the same frame, and they keep their canonical order; so sums and ties
-// have the same outcome.
+// NearSurface: spheres are chosen by z, as the shares of a surface are. A projection tries points
+// that are no farther from its start than its reach. At a point it asks for balls that are no
+// farther than the reach, or for atoms whose field reaches the point. So the spheres whose interval
+// of z comes within twice the reach of a start are enough. Their cell list has the frame of the
+// list of all spheres, so it visits them in the same order, and they keep their canonical order. So
+// sums and ties have the same outcome.
 #include "distributed/near_surface.hpp"
 
 #include "core/blocks.hpp"
@@ -20,7 +20,7 @@ constexpr double kBoxSlack = 1e-6;  // Å: more than kProjectionTolerance and ro
 NearSurface::NearSurface(const SphereSet& spheres, const RefineOptions& options)
     : spheres_(spheres), options_(options), model_(projection_model(options)) {}
 
-// Levels after the first one move vertices by less, so they mostly find what they need.
+// Later levels move vertices by less, so the spheres chosen before are mostly enough.
 void NearSurface::cover(double lower, double upper, double reach) {
   lower -= 2 * reach + kBoxSlack;
   upper += 2 * reach + kBoxSlack;

@@ -17,8 +17,9 @@ class NearSurface {
   // outlive the object.
   NearSurface(const SphereSet& spheres, const RefineOptions& options);
 
-  // Makes sure that what surface() says of points with z in this interval (Å), and of points that a
-  // projection from there tries within `reach` of its start, is what it says with all spheres.
+  // Chooses enough spheres for projections that start at points with z in this interval (Å) and try
+  // points within `reach` of them: for all these points surface() gives the results that it has
+  // with all spheres.
   void cover(double lower, double upper, double reach);
 
   // Labels that it makes or takes name spheres of the whole set. Precondition: cover().

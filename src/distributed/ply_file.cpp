@@ -1,5 +1,5 @@
-// Every rank writes its vertices and its faces where the numbers before them put them: all vertices
-// take the same number of bytes, and so do all faces.
+// write_ply(): all vertices take the same number of bytes, and so do all faces. So the number of a
+// vertex or face gives its place in the file, and every rank writes its own there.
 #include "distributed/ply_file.hpp"
 
 #include <fmt/format.h>

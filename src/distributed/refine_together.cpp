@@ -4,9 +4,9 @@
 // vertices of its part (border_mesh.hpp) where these are.
 //
 // A part has all triangles around its own vertices. So a rank finds by itself which of its vertices
-// are in turned triangles and have to go back. Passes alternate with updates of the vertices of
-// other ranks until no rank has put a vertex back, which is one more pass over the same triangles
-// in the same states as in bad_moves.hpp.
+// are in turned triangles and have to go back. After each pass the vertices of other ranks are
+// updated, until a pass puts no vertex back on any rank. Each pass looks at the same triangles in
+// the same states as a pass of one process (bad_moves.hpp), so the outcome is the same.
 #include "distributed/refine_together.hpp"
 
 #include <fmt/format.h>
@@ -36,7 +36,8 @@
 namespace vdwmesh {
 namespace {
 
-// From where the projections of a level start, and how far one may move its vertex.
+// The interval of z in which the projections of a level start, and the largest distance by which
+// one may move its vertex.
 struct Starts {
   double lower = std::numeric_limits<double>::infinity(), upper = -lower;  // of z, Å
   double reach = 0;                                                        // Å
@@ -190,7 +191,7 @@ class Refinement {
     return {corners[h % 3], corners[(h + 1) % 3]};
   }
 
-  // The part is that of the parent still, whose own triangles come first and have the same order.
+  // part_ is still that of the parent. Its first triangles are the own ones, in the same order.
   ProjectionStats make_midpoints(const NumberedEdges& edges, Moves& moves, Buffer<Vec3d>& starts) {
     const std::size_t own = piece_.numbers.own();
     IndexedMesh &mesh = piece_.mesh, &parent = part_.mesh;
@@ -300,8 +301,9 @@ class Refinement {
   BorderMesh part_;  // of the piece, with the atoms of its vertices
 };
 
-// Beside the mesh of the last level a rank holds its part of it, starts and states, and three
-// quarters less of the parent; while the result is measured, a part and what measuring takes.
+// Beside the mesh of the last level, a rank holds its part of that mesh, starts and states, and the
+// parent, which is a quarter as large. Later, while the result is measured, it holds a part and
+// what measuring takes.
 void check_memory(const Ranks& ranks, const SurfacePiece& piece, const RefineOptions& options) {
   const MeshSize own{piece.numbers.own(), piece.mesh.triangle_count()};
   const auto bytes_at = [&](int levels) {

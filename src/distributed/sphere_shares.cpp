@@ -1,6 +1,6 @@
-// Shares of spheres. A prefix sum over the counts of layers, block by block, gives every block the
-// numbers of its spheres, and these give their parts. A sphere is near to a part if its interval
-// along the axis meets that of the part.
+// Shares of spheres. A prefix sum over the counts of layers, block by block, gives every sphere of
+// a block its number, and the number tells which part the sphere belongs to. A sphere is near to a
+// part if its interval along the axis meets that of the part.
 #include "distributed/sphere_shares.hpp"
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 namespace vdwmesh {
 namespace {
 
-// Relative margins. kSlack, of the lengths that are compared, exceeds the gap at which spheres are
-// still taken to touch (arcs/doubts.hpp). kRounding, of the coordinates, exceeds the rounding of
-// their differences.
+// Relative margins. kSlack is relative to the lengths that are compared, and larger than the gap at
+// which spheres are still taken to touch (arcs/doubts.hpp). kRounding is relative to the
+// coordinates, and larger than the rounding of their differences.
 constexpr double kSlack = 1e-6, kRounding = 1e-14;
 
 int longest_axis(const Box& box) {

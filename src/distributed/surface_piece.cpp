@@ -35,7 +35,8 @@ KeyRange own_share(const Ranks& ranks, const SphereSet& spheres, const FieldMode
   return {begins[rank], rank + 1 < count ? begins[rank + 1] : kNoBrickKey};
 }
 
-// Every rank can make the part that it has counted, with the memory that it is allowed.
+// Throws LimitExceeded if the part that a rank has counted does not fit the memory that it is
+// allowed.
 void check_memory(const MeshSize& size, const ExtractOptions& options, std::size_t spheres) {
   const std::uint64_t mesh = indexed_mesh_bytes(size, {.normals = options.normals});
   // While the mesh is made, counts of bricks and the cell list take about as much as these; while
@@ -52,8 +53,9 @@ void check_memory(const MeshSize& size, const ExtractOptions& options, std::size
       ((mesh + beside) >> 20) + 1));
 }
 
-// Triangles come with numbers of the whole mesh by 32 bits. The number of a vertex follows from
-// these if all vertices that the triangles of a rank may name are fewer than 32 bits tell apart.
+// The corners of triangles come as the last 32 bits of vertex numbers of the whole mesh. Returns
+// the lowest number that the triangles of this rank may name. If they name no more than 2^32
+// numbers from there on, the last bits tell the number.
 std::uint64_t lowest_named(const SurfacePart& part, std::uint64_t first_vertex) {
   const HaloVertices halo = part.halo();
   const std::uint64_t named = halo.before + part.size().vertices + halo.behind;
@@ -66,7 +68,8 @@ std::uint64_t lowest_named(const SurfacePart& part, std::uint64_t first_vertex) 
   return first_vertex - halo.before;
 }
 
-// Makes corners of triangles what they are in a SurfacePiece. The own vertices are one run.
+// Gives the corners of triangles the local numbers of a SurfacePiece. The own vertices are one run
+// of numbers.
 void name_locally(std::uint64_t lowest, SurfacePiece& piece) {
   const auto [first, begin, own] = piece.numbers.runs().front();
   const auto number_of = [=](std::uint32_t corner) { return number_from_name(corner, lowest); };

@@ -1,6 +1,6 @@
-// A surface that all ranks make together: each makes the triangles of a run of bricks, and all of
-// them stand behind each other as the mesh that one process makes, bit for bit. No rank holds the
-// whole mesh.
+// A surface that all ranks make together: each makes the triangles of a run of bricks. The pieces
+// of all ranks, one behind the other, are the mesh that one process makes, bit for bit. No rank
+// holds the whole mesh.
 #pragma once
 
 #include <cstdint>

@@ -62,8 +62,8 @@ Slab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int6
 
 }  // namespace
 
-// Spheres that no other part samples are chosen by layers; those within reach of them cover them.
-// What the spheres of other parts are sampled for is thrown away.
+// The spheres of a part are those of some layers, which no other part samples. The spheres near
+// them are at hand too, because they cover parts of the surface; their own samples are thrown away.
 std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldModel& model,
                                        std::size_t part, std::size_t parts) {
   const Layers layers(spheres, 2);

@@ -1,9 +1,9 @@
-// union_together(): every rank takes its share of the spheres and those that overlap them. A
-// sphere's measures have the bits that one process gives them, because they depend on these alone.
-// What travels then are sums: of areas and volumes without rounding, of the integers from which the
-// counts follow, and the number of sets of connected spheres (components_together.hpp). Spheres
-// that the arcs cannot measure go to the first rank with the balls around them; it measures them by
-// one triangulation, as one process does.
+// union_together(): every rank takes its share of the spheres and all that overlap them. A sphere's
+// measures depend on these alone, so they have the bits that one process gives them. Then the ranks
+// add up areas and volumes without rounding, the integers from which the counts follow, and the
+// number of sets of connected spheres (components_together.hpp). A sphere that the arcs cannot
+// measure is a suspect. Suspects are sent to the first rank with the balls around them; it measures
+// them by one triangulation, as one process does.
 #include "distributed/union_together.hpp"
 
 #include <fmt/format.h>

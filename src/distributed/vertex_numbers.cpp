@@ -22,7 +22,8 @@ std::uint64_t VertexNumbers::number_of(std::size_t own_vertex) const {
   return runs_[g].first + (own_vertex - runs_[g].begin);
 }
 
-// The difference of a number below a run wraps around to one that is beyond every run.
+// If the number is below the run, the difference wraps around to a number beyond the end of every
+// run.
 std::optional<std::size_t> VertexNumbers::own_vertex(std::uint64_t number) const {
   for (std::size_t g = runs_.size(); g-- > 0;) {
     const std::uint64_t place = number - runs_[g].first;

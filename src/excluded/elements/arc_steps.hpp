@@ -8,8 +8,8 @@
 
 namespace vdwmesh::excluded::elements {
 
-// Which pairs of exposed balls meet in a circle that no single ball covers. By entry of the lists
-// of overlapping balls.
+// For each entry (a, b) of the lists of overlapping balls whether a < b, and the two balls meet in
+// a circle that no single other ball covers.
 struct FindCircles {
   Balls balls;
   Overlaps near;
@@ -36,8 +36,8 @@ VDWMESH_HD inline bool is_equal(const Sphere& a, const Sphere& b) {
   return a.radius == b.radius && a.center == b.center;
 }
 
-// A circle of two balls, as an entry of the lists. Of equal balls one is exposed, and the others
-// cover nothing that it does not.
+// The circles that were found, each as an entry of the lists. A ball equal to one of the circle's
+// two covers nothing more than that one, so it is passed over.
 struct Circles {
   Balls balls;
   Overlaps near;
@@ -116,7 +116,7 @@ struct AroundCircles {
   }
 };
 
-// The balls around the places that the host is to decide.
+// Marks the balls around the circles and corners that the host is to decide.
 struct MarkAround {
   Balls balls;
   const Around* around;
@@ -138,7 +138,7 @@ struct TakeBalls {
   }
 };
 
-// What the host found out about a circle.
+// Replaces the counts of circles that the host has decided.
 struct ReplaceCounts {
   const std::uint32_t* circle;
   const std::uint64_t* by;
@@ -197,7 +197,8 @@ struct PutHostArcs {
   }
 };
 
-// An arc whose length may be nothing joins corners that are one probe; the host gathers them.
+// An arc that is not longer than this may have no length, so that its corners are one probe. Only
+// the host gathers corners, so the set fails.
 inline constexpr double kLeastArc = 1e-10;  // of the largest of the two balls
 
 struct ShapeArcs {

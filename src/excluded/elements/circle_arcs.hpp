@@ -23,7 +23,8 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;  // in place of a ball, an a
 // Angles of ends of intervals, in units of a fourth of a turn, are wrong by less than kTurnError
 // plus kSlideError over the sine of half the interval.
 inline constexpr double kTurnError = 1e-11, kSlideError = 1e-12;
-// An interval with a half of nearly 0 or π, by this in its cosine, may as well be none or all.
+// If the cosine of half an interval differs from 1 or -1 by less than this, rounding decides
+// whether the ball covers none or all of the circle.
 inline constexpr double kGrazing = 1e-11;
 inline constexpr int kMostIntervals = 96;
 
@@ -59,13 +60,13 @@ struct CircleInterval {
 
 enum class Cover : std::uint8_t { none, part, whole, grazing };
 
-// Where a point is about a circle: rises from 0 to 4 in a whole turn.
+// Takes the place of the angle of a point about the origin: rises from 0 to 4 in a whole turn.
 VDWMESH_HD inline double turn_of(double x, double y) {
   const double part = x / (std::abs(x) + std::abs(y));
   return y < 0 ? 3 + part : 1 - part;
 }
 
-// The angle of the circle relative to ball k: d and q of the comment above.
+// How ball k lies over the circle: d and q of the comment at the top.
 struct BallOverCircle {
   double x, y, reach;  // d in the circle's plane, q
 };
@@ -135,7 +136,8 @@ struct CircleCover {
       visit(kNone, kNone, 4.0);
       return;
     }
-    // Goes around twice: after the first turn `reach` is the farthest end of what began before.
+    // Goes around twice. After the first turn, `reach` is the farthest end of all intervals that
+    // have begun.
     int farthest = -1;
     double reach = 0;
     for (int step = 0; step < 2 * count; ++step) {
@@ -176,8 +178,8 @@ struct CircleCover {
     const double apart = std::abs(a - b);
     return apart <= slack || apart >= 4 - slack;
   }
-  // Whether another end of an interval is where the interval `before` ends or the one `behind`
-  // begins.
+  // Whether some other interval begins or ends, within the slack, where the interval `before` ends
+  // or the one `behind` begins.
   VDWMESH_HD bool is_near_other(int before, int behind) const {
     bool near = false;
     for (int i = 0; i < count; ++i) {

@@ -2,8 +2,8 @@
 // library's own use, on the host and on a CUDA device. The rules are those of concave_patch.cpp,
 // patch_boundary.cpp and patch_loops.cpp, in memory of fixed size.
 //
-// A patch for which there is no room, of which a decision is close, whose boundary does not close,
-// or whose shares do not sum to its solid angle, is not measured.
+// A patch is not measured if there is no room for it, if a decision is close, if its boundary does
+// not close, or if the shares of its balls do not sum to its solid angle.
 #pragma once
 
 #include "excluded/cap_arrangement.hpp"
@@ -12,11 +12,13 @@
 
 namespace vdwmesh::excluded::elements {
 
-// A decision in double is close if its margin is smaller than the first; probes are near each other
-// within the second, in radii of a probe (concave_patch.cpp).
+// A decision in double is close if its margin is smaller than kCloseDecision. Probes are near if
+// their distance is less than kNearbyProbe radii of a probe. The same values are in
+// concave_patch.cpp.
 inline constexpr double kCloseDecision = 1e-10, kNearbyProbe = 1e-4;
 inline constexpr int kMostCaps = 28, kMostSegments = 80, kMostFacePoints = 48;
-// Sum of shares less solid angle: far more than rounding, far less than a part that is missing.
+// The sum of the shares and the solid angle may differ by this: far more than rounding, far less
+// than a missing part.
 inline constexpr double kShareError = 1e-8;
 
 // Low probes, and for each the others that overlap it.
@@ -231,7 +233,7 @@ class CutPatch {
     }
   }
 
-  // Segments run clockwise about the cap's axis, against the uncovered part.
+  // A segment runs clockwise about the cap's axis, an uncovered part counter-clockwise.
   VDWMESH_HD void add_arc(int c, const Covered<double>& behind, const Covered<double>& ahead,
                           double angle) {
     const Vector<double>&from = ahead.from.point, &to = behind.to.point;
@@ -308,8 +310,9 @@ class CutPatch {
     return -0.5 * ((squared_sine * s.angle) * axis - h * cross(axis, s.to - s.from));
   }
 
-  // Chains the segments to loops; a loop without a side is the rim of a hole if what is on its left
-  // is a hemisphere or more. Faces with loops: 2 for each piece, less 1 for each loop.
+  // Chains the segments to loops. A loop without a side is the rim of a hole if what is on its left
+  // is a hemisphere or more. The Euler characteristic of the faces is 2 for each piece, less 1 for
+  // each loop.
   VDWMESH_HD void join_loops(PatchMeasures& out) {
     constexpr double kRounding = 1e-6;
     std::uint32_t used[(kMostSegments + 31) / 32] = {};

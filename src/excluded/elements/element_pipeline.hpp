@@ -6,8 +6,9 @@
 // 3. Shapes of arcs. Low probes, and those that overlap each of them; their patches.
 // 4. What each ball gets of its arcs and corners, sorted by ball and summed.
 //
-// Circles and patches that double leaves undecided are made on the host, one by one. A set with an
-// element that this cannot decide either, or that two others see differently, has failed.
+// Circles and patches that double leaves undecided are made on the host, one by one. A set fails if
+// one of its elements cannot be decided there either, or if two elements that name a third one do
+// not agree about it.
 //
 // An Executor has arrays (make, zeros, upload, download, download_to, put), run(name, count, step),
 // scan(counts), the exclusive prefix sum in place that returns the total, select(flags), the

@@ -159,8 +159,8 @@ VDWMESH_HD inline Side corner_side(const Balls& balls, const Corner& corner, con
 }
 
 // The vector from the point of contact with ball j to that with ball i, at right angles to the
-// plane that bisects them: the difference of (c - x) / R of both, in which balls that all but
-// coincide keep their digits.
+// plane that bisects them. It is formed as in atom_shares.cpp, so that balls that all but coincide
+// lose no digits.
 VDWMESH_HD inline Vec3d between_contacts(const Balls& balls, const Corner& corner,
                                          const Polygon& polygon, int i, int j) {
   const Sphere &a = balls.grown[corner.name.ball[i]], &b = balls.grown[corner.name.ball[j]];
@@ -198,8 +198,8 @@ VDWMESH_HD inline Polygon corner_polygon(const Balls& balls, const Corner& corne
   return g;
 }
 
-// Adds the fans over an arc to the solid angles of the balls to whose points of contact its parts
-// are nearest.
+// Cuts an arc where it crosses the bisecting planes, and adds the fan over each part to the solid
+// angle of the ball whose point of contact is nearest.
 VDWMESH_HD inline void share_arc(const Balls& balls, const Corner& corner, const Polygon& polygon,
                                  const SphereArc& arc, double (&share)[3]) {
   double cut[8] = {0};
@@ -247,8 +247,8 @@ VDWMESH_HD inline PatchMeasures whole_patch(const Balls& balls, const Corner& co
   return m;
 }
 
-// What the ball in one slot of a corner gets of its concave patch, and of the corner as one of its
-// contact piece. The first ball gets what is not divided.
+// What the ball in one slot of a corner gets of the concave patch, and of the corner as a corner of
+// its contact piece. The ball in slot 0 also gets what is not divided among the balls.
 VDWMESH_HD inline Terms corner_terms(const Balls& balls, const Corner& corner,
                                      const PatchMeasures& patch, double turning, int slot,
                                      const Vec3d& home) {

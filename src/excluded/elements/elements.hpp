@@ -30,7 +30,8 @@ struct Overlaps {
   const std::uint32_t* other;
 };
 
-// Sets of which an element is wrong are measured elsewhere; their other elements may be anything.
+// Sets that failed: an element could not be decided. They are measured elsewhere
+// (excluded_measures()), and their elements here have no meaning.
 struct FailedSets {
   const std::uint32_t* set;  // by ball; null: one set
   std::uint8_t* failed;
@@ -79,8 +80,9 @@ struct CornerName {
   }
 };
 
-// How well double places the common points of three spheres: as the host does it
-// (simplex_shape.cpp), in more digits, or not at all, because two of the balls all but coincide.
+// How the common points of three spheres are placed: in double (plain), in more digits by the host
+// (wide; simplex_shape.cpp has the same rule), or not at all, because two of the balls all but
+// coincide.
 enum class Placing : std::uint8_t { plain, wide, none };
 
 // A probe that touches three balls.
@@ -116,7 +118,7 @@ VDWMESH_HD inline CornerName corner_of(const Arc& arc, int end) {
   return corner_name(arc.ball[0], arc.ball[1], arc.third[end], end == 0);
 }
 
-// Which of a corner's arcs is that of two of its balls, and back.
+// The index in Corner::arc of the arc of two of a corner's balls, a < b.
 VDWMESH_HD inline int slot_of(const CornerName& name, std::uint32_t a, std::uint32_t b) {
   if (a != name.ball[0]) return 1;
   return b == name.ball[1] ? 0 : 2;

@@ -1,6 +1,6 @@
 // exact_circle() and exact_patch(): triangulate the balls near the element and take it from their
-// dual complex and accessible surface. The balls that reach the element decide about it alone, so
-// that it is the same as in the whole set.
+// dual complex and accessible surface. Only the balls that reach the element have a part in it, so
+// it is the same as in the whole set.
 #include "excluded/elements/local_surface.hpp"
 
 #include <algorithm>
@@ -79,7 +79,7 @@ class LocalNames {
       const auto& v = surface_.complex().edges[end.name[0]].vertices;
       return number_of_cusp(ball(v[0]), ball(v[1]), ball(v[end.name[1]]));
     }
-    // `positive` is that of the ascending order; number_of_point() counts from the given one.
+    // `positive` belongs to the ascending order of the balls, number_of_point() to the given order.
     return number_of_point(probe_number(end.name[0]), probe_number(end.name[1]),
                            probe_number(end.name[2]), end.positive);
   }

@@ -17,7 +17,7 @@ struct HostBall {
   double radius;  // without the probe
   std::uint32_t set, place;
 };
-// Those around the elements to decide, by place, ascending.
+// The balls around the elements to decide, in ascending order of their places.
 struct HostBalls {
   std::span<const HostBall> balls;
   double probe;
@@ -41,7 +41,7 @@ VDWMESH_HD inline Around around_circle(const Sphere& a, const Sphere& b) {
   const PairCircle circle = pair_circle(a, b);
   return {a.center + circle.height[0] * circle.axis, circle.radius};
 }
-// Balls that reach a probe, or another probe that overlaps it.
+// The place around a probe with all balls that reach it, or reach another probe that overlaps it.
 VDWMESH_HD inline Around around_corner(const Sphere& first, const Corner& corner, double probe) {
   return {first.center + corner.at, 2 * probe};
 }
@@ -53,7 +53,7 @@ struct ExactArc {
 };
 
 // The exposed arcs of the circle of balls a < b in their order around it. Nothing if one of them
-// may be without length: then its corners are one probe, and the set needs all of its neighbours.
+// may be without length: then its corners are one probe, which only the whole set can tell.
 std::optional<std::vector<ExactArc>> exact_circle(const HostBalls& balls, std::uint32_t a,
                                                   std::uint32_t b);
 
@@ -61,7 +61,8 @@ std::optional<std::vector<ExactArc>> exact_circle(const HostBalls& balls, std::u
 void place_exactly(const HostBalls& balls, Corner& corner);
 
 // The concave patch of a low probe. Nothing if the probe touches more than three balls, or if a
-// decision was a tie, which only the whole set breaks alike for all patches.
+// decision was a tie: ties are broken in the same way for all patches only if the whole set is at
+// hand.
 std::optional<PatchMeasures> exact_patch(const HostBalls& balls, const Corner& corner);
 
 }  // namespace vdwmesh::excluded::elements
