@@ -116,7 +116,8 @@ struct Uncovered {
 
 enum class Overlap { none, crossing, whole };
 
-// Which part of circle c cap j covers. `margin` becomes smaller if the decision has a smaller one.
+// Which part of circle c cap j covers. Lowers `margin` to the margin of this decision if that is
+// smaller.
 template <class T>
 VDWMESH_HD Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
                                 Covered<T>& part, double& margin) {
@@ -137,7 +138,8 @@ VDWMESH_HD Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, st
   return Overlap::crossing;
 }
 
-// The angle from `from` counter-clockwise to `to`, which is `turns` of a fourth of a turn, roughly.
+// The angle from `from` counter-clockwise to `to`. `turns` is roughly this angle, in fourths of a
+// turn.
 template <class T>
 VDWMESH_HD double angle_between(const CirclePlace<T>& from, const CirclePlace<T>& to,
                                 const T& turns) {
@@ -179,7 +181,8 @@ std::vector<Uncovered<T>> uncovered_parts(std::vector<Covered<T>> covered, doubl
   margin = std::min(margin, order_margin(covered));
   std::sort(covered.begin(), covered.end(),
             [](const Covered<T>& a, const Covered<T>& b) { return a.from.turn < b.from.turn; });
-  // Goes around twice: after the first turn `reach` is the farthest end of what began before.
+  // Goes around twice. After the first turn, `reach` is the farthest end of all parts that have
+  // begun.
   std::vector<Uncovered<T>> parts;
   std::size_t farthest = covered.size();
   T reach(0);

@@ -36,10 +36,11 @@ namespace {
 using namespace excluded;
 using MesherClock = std::chrono::steady_clock;
 
-// As for the mesh of the union: rounds in which pieces are split for quality, and in all; and how
-// many pieces a curve may have, besides 64 for each it had at first. More are asked for only where
-// two curves are some 10⁻¹¹ of a radius from each other over a part of their length, which double
-// precision hardly tells apart or not at all, and then by millions or without end.
+// Limits, as for the mesh of the union: the rounds in which pieces are split for quality; all
+// rounds; and the pieces that a curve may have, besides 64 for each piece that it had at first.
+// More pieces are asked for only if two curves are some 10⁻¹¹ of a radius from each other along a
+// part of their length. Double precision hardly tells these apart, or not at all, so millions of
+// pieces would be needed, or no number would suffice.
 constexpr int kRoundsForQuality = 12, kRoundsInAll = 60;
 constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
 // The cosine of the widest angle, 127°, under which points inside patches may see pieces. In the
@@ -48,7 +49,8 @@ constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
 // them see the longer pieces under wide angles, and without these points triangles across the strip
 // are thinner than those with them (docs/excluded_surface.md).
 constexpr double kWidestViewHere = -0.6;
-// Triangles of an area, over the ideal number; and bytes for each before they are joined.
+// The triangles that an area gets, divided by the ideal number; the bytes of a triangle before the
+// patches are joined.
 constexpr double kFill = 1.4;
 constexpr std::uint64_t kScratchBytes = 44;
 // What the mesh holds beside positions, normals and triangles.
@@ -110,9 +112,9 @@ class ExcludedMesher {
     return pieces;
   }
 
-  // Of the pieces that are to be split, the first of a curve that has as many as it may have. The
-  // limit is one of each curve: in a large molecule, a limit for all curves together would let two
-  // of them grow for hours.
+  // Returns the first piece to be split whose curve has as many pieces as it may have. Every curve
+  // has a limit of its own: in a large molecule, a limit for all curves together would let two of
+  // them grow for hours.
   std::optional<ArcPiece> piece_split_too_often() const {
     for (const PieceSplit& s : last_splits_) {
       const std::uint32_t c = s.piece.arc;

@@ -62,8 +62,9 @@ VDWMESH_HD inline SaddleMeasures measure_profile(const SaddleArc& arc, double p,
   return m;
 }
 
-// The part of the saddle that belongs to the atom on `side` of the radical plane: 0 or 1. It may be
-// nothing, if the plane does not cut the saddle. Under a spindle the layer ends at the axis.
+// The part of the saddle on one side of the radical plane, 0 or 1, which belongs to the atom there.
+// One of the two parts is empty if the plane does not cut the saddle. Under a spindle the layer
+// ends at the axis.
 VDWMESH_HD inline SaddleMeasures measure_saddle(const SaddleArc& arc, double p,
                                                 const Profile& profile, std::size_t side) {
   const double cusp = profile.cusp, rho = arc.circle_radius;

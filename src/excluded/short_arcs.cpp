@@ -1,10 +1,11 @@
 // drop_short_arcs(): gathers the corners at both ends of short arcs (union-find), and sorts all
 // corners into small cells to find clusters that have others next to them.
 //
-// A gathered probe is at one of its corners, so it is wrong by their distance. That is nothing to
-// probes far away, but the planes that bisect it and a probe nearly as near as its own corners
-// could be anywhere. Where clusters are close to each other, corners stay what they are, and wide
-// numbers tell them apart; only corners that are one point to all digits are gathered even so.
+// A gathered probe is placed at one of its corners, so its place is wrong by their distance. To
+// probes far away that does not matter. But the plane that bisects it and another probe could have
+// any direction if that probe is nearly as near as its own corners. So if clusters are close to
+// each other, their corners are not gathered, and wide numbers tell them apart. Only corners that
+// are one point to all digits are gathered even then.
 #include "excluded/short_arcs.hpp"
 
 #include <array>
@@ -18,8 +19,8 @@
 namespace vdwmesh::excluded {
 namespace {
 
-// The ends of an arc of a larger angle are not one point for the length of a small circle, but have
-// the circle between them.
+// An arc of a larger angle is never taken for a point. On a small circle it may be short, but its
+// ends have the circle between them.
 constexpr double kSmallAngle = 1e-5;
 // Clusters nearer than this (scaled) are close: a hundred thousand times kNoLength.
 constexpr double kClose = 1e-6;
@@ -84,8 +85,8 @@ class CornerClusters {
   std::map<Cell, std::vector<std::uint32_t>> cells_;
 };
 
-// All probes on the circle of a spindle go through its cusps, which the arcs that are left must
-// name: so all of its arcs are dropped or none.
+// All probes on the circle of a spindle go through its cusps. Arcs that are not dropped name the
+// cusps, so either all arcs of the circle are dropped or none.
 void keep_cusps(const AccessibleSurface& surface, std::vector<RolledArc>& arcs) {
   std::vector<std::uint8_t> has_cusps(surface.complex().edges.size(), 0);
   for (const RolledArc& arc : arcs) {

@@ -31,7 +31,8 @@ struct NamedPoint {
   Vec3d position, normal;
 };
 
-// A crease from one of its probes, to find it from the other one.
+// A crease as one of its two probes names it. In the name that the other one gives it, probes and
+// ends are exchanged.
 struct CreaseName {
   std::uint32_t probe, other;
   CreaseEnd from, to;
@@ -227,7 +228,7 @@ void CurveComplex::add_arc(std::uint32_t a) {
   }
 }
 
-// The circle of the arc on ball k. It runs about the axis like the arc.
+// The contact curve on the atom of ball k. It runs about the axis like the arc.
 std::uint32_t CurveComplex::add_contact(std::uint32_t a, std::uint32_t k, const Vec3d& radial,
                                         std::array<std::uint32_t, 2> ends, std::uint32_t saddle) {
   const RolledArc& arc = surface().arcs[a];
@@ -249,7 +250,8 @@ std::uint32_t CurveComplex::add_contact(std::uint32_t a, std::uint32_t k, const 
   return add_curve(curve, {Kind::contact, {arc.edge, arc.edge}, {cosine, cosine}});
 }
 
-// A part of the circle in which the probe at one end of the arc touches the saddle.
+// The curve along which the probe at one end of the arc touches the saddle, or a part of that curve
+// up to a cusp.
 std::uint32_t CurveComplex::add_profile(std::uint32_t a, std::size_t end, const Vec3d& radial,
                                         const ProfileRange& range, std::uint32_t saddle) {
   const RolledArc& arc = surface().arcs[a];
@@ -270,7 +272,7 @@ std::uint32_t CurveComplex::add_profile(std::uint32_t a, std::size_t end, const 
   return add_curve(curve, {Kind::side, {name, name}, {0, 0}});
 }
 
-// Each crease once, from its probe of lower number.
+// Adds each crease once, for its probe of lower number.
 void CurveComplex::add_creases() {
   std::vector<CreaseName> all;
   for (const ConcavePatch& patch : cut) {

@@ -5,9 +5,10 @@
 // conformal, and the saddle is a rectangle. With t = tan(α/2) and D = (ρ - p) / (ρ + p), s is 2 p /
 // (ρ + p) times ∫ dt / (t² + D).
 //
-// Half a spindle would be endless: s is infinite in the cusp. There exp(-κ s), κ = sin θ, is the
-// distance from the origin of a sector with the angle κ φ, and the cusp is the origin. Distances
-// from it are in closed form: sin((|α| - θ) / 2) / sin((|α| + θ) / 2).
+// For half of a spindle the rectangle would have no end, because s is infinite in the cusp. Half of
+// a spindle is mapped to a sector instead: exp(-κ s), with κ = sin θ, is the distance from the
+// origin, κ φ is the angle, and the cusp is the origin. Distances from it are in closed form:
+// sin((|α| - θ) / 2) / sin((|α| + θ) / 2).
 #pragma once
 
 #include <cmath>
