@@ -198,10 +198,10 @@ void run_batch_verb(const Options& options) {
     print_warnings({fmt::format("{} files have no extension of a structure and were left out",
                                 source->left_out())});
   const std::uint64_t rows = kept.rows + made;
-  refuse_if(
-      rows == 0 && choice.shard.count == 1,
-      "INPUT: holds no structures; their names end in .pdb .ent .cif .mmcif .bcif .pqr or .xyzr, "
-      "also with .gz, or --format says what all of them are");
+  refuse_if(rows == 0 && choice.shard.count == 1,
+            "{}: holds no structures; their names end in .pdb .ent .cif .mmcif .bcif .pqr or "
+            ".xyzr, also with .gz, or --format says what all of them are",
+            inputs.size() == 1 ? inputs.front().string() : "INPUT");
   if (refused > 0)
     throw FileFormatError(
         fmt::format("{} of {} structures were refused; their rows say why", refused, rows));

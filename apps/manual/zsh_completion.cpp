@@ -66,7 +66,7 @@ std::string arguments(const ListedVerb& verb) {
   return text + "        '(- *)'{-h,--help}'[print the options]' ;;\n";
 }
 
-// 'mesh:structure -> welded mesh file'.
+// 'info:version, build, backends, devices'.
 std::string description(std::string_view word, std::string_view summary) {
   return fmt::format(" '{}:{}'", word, quoted(summary, ":"));
 }

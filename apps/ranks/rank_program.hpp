@@ -13,8 +13,9 @@ namespace vdwmesh::apps {
 using RunVerb = std::function<void(const Options& options)>;
 
 inline std::vector<Verb> rank_verbs(RunVerb mesh, RunVerb exact) {
-  return {{kRanksMesh, "mesh", "structure -> welded mesh file, by all ranks", std::move(mesh)},
-          {kRanksExact, "exact", "exact area, volume and counts of the sphere union",
+  return {{kRanksMesh, "mesh", "a mesh of a structure's surface, as one file, by all processes",
+           std::move(mesh)},
+          {kRanksExact, "exact", "exact area, volume and counts of the union, by all processes",
            std::move(exact)}};
 }
 

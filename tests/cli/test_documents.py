@@ -141,6 +141,18 @@ class Quoted(ProgramTest):
         self.assertGreater(seen, 1)
 
 
+class RadiusSets(ProgramTest):
+    """The table of docs/concepts.md, whose command stands below it with SET in place of a name."""
+
+    def test_area_and_volume_by_set(self):
+        text = (SOURCE_DIR / "docs" / "concepts.md").read_text()
+        rows = re.findall(r"^\| `(\w+)`[^|]*\|[^|]*\| ([\d.]+) \| ([\d.]+) \|$", text, re.MULTILINE)
+        self.assertGreater(len(rows), 2)
+        for name, area, volume in rows:
+            exact = parse_json(self.run_ok("exact", "--sample", "ubiquitin", "--radii", name, "--json", "-").stdout)["exact"]
+            self.assertEqual((f"{exact['area']:.3f}", f"{exact['volume']:.3f}"), (area, volume), name)
+
+
 def add_test_of(page):
     def test(self):
         self.run_page(page)
