@@ -149,7 +149,8 @@ class RadiusSets(ProgramTest):
         rows = re.findall(r"^\| `(\w+)`[^|]*\|[^|]*\| ([\d.]+) \| ([\d.]+) \|$", text, re.MULTILINE)
         self.assertGreater(len(rows), 2)
         for name, area, volume in rows:
-            exact = parse_json(self.run_ok("exact", "--sample", "ubiquitin", "--radii", name, "--json", "-").stdout)["exact"]
+            report = self.run_ok("exact", "--sample", "ubiquitin", "--radii", name, "--json", "-").stdout
+            exact = parse_json(report)["exact"]
             self.assertEqual((f"{exact['area']:.3f}", f"{exact['volume']:.3f}"), (area, volume), name)
 
 
