@@ -21,10 +21,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "arrangement/complex/power_predicates.hpp"
+#include "arrangement/complex/regular_cells.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
 
@@ -67,7 +69,7 @@ class Builder {
 
   // Each step needs the results of all steps before it, for all cells. What is found about a cell
   // does not depend on other cells of the same step, so all cores find it; triangles and edges are
-  // then numbered in the order of the cells.
+  // then numbered in the order of their vertices.
   DualComplex build(Monitor* monitor) && {
     for_each_cell([&](std::uint32_t c) { classify_cell(c); });
     out_.tetrahedra = collect_from_cells<std::uint32_t>(
@@ -78,14 +80,9 @@ class Builder {
         monitor,
         [&](std::uint32_t c, std::vector<CellFacet>& found) { classify_facets(c, found); });
     add_triangles(facets);
-    const auto edges = collect_from_cells<SingularEdge>(
+    add_edges(collect_from_cells<SingularEdge>(
         monitor,
-        [&](std::uint32_t c, std::vector<SingularEdge>& found) { classify_edges(c, found); });
-    for (const SingularEdge& found : edges) {
-      const auto [lower, upper] = std::minmax(found.a, found.b);
-      out_.edges.push_back({{lower, upper}, found.contact, true, true});
-      out_.in_complex[lower] = out_.in_complex[upper] = 1;
-    }
+        [&](std::uint32_t c, std::vector<SingularEdge>& found) { classify_edges(c, found); }));
     classify_vertices();
     mark_exposed();
     count_contacts();
@@ -96,6 +93,7 @@ class Builder {
   // A triangle of the complex: opposite to vertex `slot` of `cell`.
   struct CellFacet {
     std::uint32_t cell, slot;
+    friend auto operator<=>(const CellFacet&, const CellFacet&) = default;
   };
   // An edge of the complex that is in none of its triangles.
   struct SingularEdge {
@@ -198,11 +196,33 @@ class Builder {
     }
   }
 
-  // Adds triangles, in the order of the facets, with their edges.
+  // A facet by its vertices b < c, in the row of its lowest vertex.
+  struct FacetEntry {
+    std::uint32_t b, c;
+    CellFacet facet;
+    friend auto operator<=>(const FacetEntry&, const FacetEntry&) = default;
+  };
+
+  // The vertices of a facet, ascending, and whether that is an odd permutation of kFacetVertices.
+  std::pair<std::array<std::uint32_t, 3>, bool> sorted_vertices(const CellFacet& facet) const {
+    std::array<std::uint32_t, 3> v;
+    for (std::size_t m = 0; m < 3; ++m) {
+      v[m] = t_.cells[facet.cell][kFacetVertices[facet.slot][m]];
+    }
+    const bool odd = sort_is_odd(v);
+    return {v, odd};
+  }
+
+  // Adds triangles, sorted by their vertices, as yet without their edges.
   void add_triangles(const std::vector<CellFacet>& facets) {
+    SortedRows<FacetEntry> sorted;
+    sorted.fill(t_.balls.size(), facets.size(), [&](std::size_t i, const auto& add) {
+      const auto v = sorted_vertices(facets[i]).first;
+      add(v[0], {v[1], v[2], facets[i]});
+    });
     out_.triangles.resize(facets.size());
     for_each_index(facets.size(), [&](std::size_t i) {
-      out_.triangles[i] = triangle_at(facets[i], static_cast<std::uint32_t>(i));
+      out_.triangles[i] = triangle_at(sorted.entries()[i].facet, static_cast<std::uint32_t>(i));
     });
     rows_.fill(t_.balls.size(), out_.triangles.size(), [&](std::size_t i, const auto& add) {
       const auto& v = out_.triangles[i].vertices;
@@ -211,7 +231,6 @@ class Builder {
         add(lower, {upper, static_cast<std::uint32_t>(i)});
       }
     });
-    add_edges_of_triangles();
   }
 
   // The triangle of a facet, as yet without its edges. Writes the triangle's number into its two
@@ -222,57 +241,84 @@ class Builder {
     out_.cell_triangles[c][k] = number;
     out_.cell_triangles[n][slot_of(t_.neighbors[n], c)] = number;
     DualTriangle triangle{};
-    for (std::size_t m = 0; m < 3; ++m) triangle.vertices[m] = t_.cells[c][kFacetVertices[k][m]];
-    triangle.cells = {c, n};
-    triangle.exposed = {!out_.cell_in_complex[c], !out_.cell_in_complex[n]};
+    const auto [vertices, odd] = sorted_vertices(facet);
+    triangle.vertices = vertices;
+    triangle.cells = {odd ? n : c, odd ? c : n};
+    for (std::size_t s = 0; s < 2; ++s) {
+      triangle.exposed[s] = !out_.cell_in_complex[triangle.cells[s]];
+    }
     return triangle;
   }
 
-  // Numbers the edges of the triangles in the order in which triangle after triangle names them, so
-  // that edges near in space are near in memory. The first entry of an edge in its row is the
-  // triangle that names it first. These edges get Contact::strict without a test, as
-  // DualEdge::contact says. That does not make their balls strict (strict_).
-  void add_edges_of_triangles() {
-    // By 3 × triangle + its edge: whether no earlier triangle has that edge.
-    std::vector<std::uint8_t> is_first(3 * out_.triangles.size(), 0);
-    for_each_edge([&](std::uint32_t a, std::span<const EdgeEntry> edge) {
-      is_first[place_of(a, edge[0])] = 1;
+  // Numbers and adds all edges, sorted by their vertices: the edges of ball a to upper balls are
+  // those of its row of rows_, and singular ones. The edges of triangles get Contact::strict
+  // without a test, as DualEdge::contact says. That does not make their balls strict (strict_).
+  void add_edges(const std::vector<SingularEdge>& singular) {
+    SortedRows<UpperBall> alone;  // per ball: its singular edges
+    alone.fill(t_.balls.size(), singular.size(), [&](std::size_t i, const auto& add) {
+      const auto [lower, upper] = std::minmax(singular[i].a, singular[i].b);
+      add(lower, {upper, singular[i].contact});
     });
-    const std::uint32_t count = number_all(
-        is_first.size(), [&](std::size_t place) { return is_first[place] != 0; },
-        [&](std::size_t place, std::uint32_t number) {
-          out_.triangles[place / 3].edges[place % 3] = number;
-        });
-    out_.edges.resize(count);
-    for_each_edge([&](std::uint32_t a, std::span<const EdgeEntry> edge) {
-      const std::size_t first = place_of(a, edge[0]);
-      const std::uint32_t number = out_.triangles[first / 3].edges[first % 3];
-      bool exposed = false;
-      for (const EdgeEntry& entry : edge) {
-        DualTriangle& triangle = out_.triangles[entry.triangle];
-        triangle.edges[place_of(a, entry) % 3] = number;
-        exposed = exposed || triangle.exposed[0] || triangle.exposed[1];
-      }
-      out_.edges[number] = {{a, edge[0].upper}, Contact::strict, exposed, false};
-      set(out_.in_complex[a]);
-      set(out_.in_complex[edge[0].upper]);
+    std::vector<std::uint32_t> first(t_.balls.size() + 1, 0);  // by ball: number of its first edge
+    for_each_index(t_.balls.size(), [&](std::size_t a) {
+      std::uint32_t count = static_cast<std::uint32_t>(alone[a].size());
+      for_each_edge_of(a, [&](std::span<const EdgeEntry>) { ++count; });
+      first[a + 1] = count;
+    });
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    out_.edges.resize(first.back());
+    for_each_index(t_.balls.size(), [&](std::size_t a) {
+      std::uint32_t number = first[a];
+      auto next = alone[a].begin();
+      const auto add_alone_before = [&](std::uint32_t upper) {
+        for (; next != alone[a].end() && next->ball < upper; ++next) {
+          add_edge(number++,
+                   {{static_cast<std::uint32_t>(a), next->ball}, next->contact, true, true});
+        }
+      };
+      for_each_edge_of(a, [&](std::span<const EdgeEntry> edge) {
+        add_alone_before(edge[0].upper);
+        add_edge_of_triangles(number++, static_cast<std::uint32_t>(a), edge);
+      });
+      add_alone_before(kNoIndex);
     });
   }
 
-  // Calls visit(a, entries), on all cores, for every edge that a triangle has: a is the edge's ball
-  // of lower index, and the entries, a part of row a, are the triangles that have the edge.
+  // The upper ball of a singular edge.
+  struct UpperBall {
+    std::uint32_t ball;
+    Contact contact;
+    friend auto operator<=>(const UpperBall&, const UpperBall&) = default;
+  };
+
+  void add_edge(std::uint32_t number, const DualEdge& edge) {
+    out_.edges[number] = edge;
+    for (const std::uint32_t v : edge.vertices) set(out_.in_complex[v]);
+  }
+
+  // Edges of one triangle may be added by several threads at once, each of which writes its own.
+  void add_edge_of_triangles(std::uint32_t number, std::uint32_t a,
+                             std::span<const EdgeEntry> edge) {
+    bool exposed = false;
+    for (const EdgeEntry& entry : edge) {
+      DualTriangle& triangle = out_.triangles[entry.triangle];
+      triangle.edges[edge_slot(a, entry)] = number;
+      exposed = exposed || triangle.exposed[0] || triangle.exposed[1];
+    }
+    add_edge(number, {{a, edge[0].upper}, Contact::strict, exposed, false});
+  }
+
+  // Calls visit(entries) for every edge from ball a to an upper ball that a triangle has, by
+  // ascending upper ball. The entries, a part of row a, are the triangles that have the edge.
   template <class Visit>
-  void for_each_edge(const Visit& visit) const {
-    for_each_index(t_.balls.size(), [&](std::size_t ball) {
-      const auto a = static_cast<std::uint32_t>(ball);
-      const auto row = rows_[a];
-      for (auto begin = row.begin(); begin != row.end();) {
-        const auto end = std::find_if(
-            begin, row.end(), [&](const EdgeEntry& entry) { return entry.upper != begin->upper; });
-        visit(a, std::span(begin, end));
-        begin = end;
-      }
-    });
+  void for_each_edge_of(std::size_t a, const Visit& visit) const {
+    const auto row = rows_[a];
+    for (auto begin = row.begin(); begin != row.end();) {
+      const auto end = std::find_if(
+          begin, row.end(), [&](const EdgeEntry& entry) { return entry.upper != begin->upper; });
+      visit(std::span(begin, end));
+      begin = end;
+    }
   }
 
   // Whether ab is an edge of a triangle.
@@ -283,13 +329,13 @@ class Builder {
     return found != row.end() && found->upper == first.upper;
   }
 
-  // 3 × triangle + m, where m is the place of the edge from ball a to entry.upper in the triangle:
-  // edge m is opposite to vertex m, so m is the vertex that is neither of the two.
-  std::size_t place_of(std::uint32_t a, const EdgeEntry& entry) const {
+  // The place of the edge from ball a to entry.upper in the entry's triangle: edge m is opposite to
+  // vertex m, so m is the vertex that is neither of the two.
+  std::size_t edge_slot(std::uint32_t a, const EdgeEntry& entry) const {
     const auto& v = out_.triangles[entry.triangle].vertices;
     std::size_t m = 0;
     while (v[m] == a || v[m] == entry.upper) ++m;
-    return 3 * std::size_t{entry.triangle} + m;
+    return m;
   }
 
   // Finds the edges of cell c that are in the complex but in none of its triangles. `open`: the

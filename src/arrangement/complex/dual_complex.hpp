@@ -32,12 +32,16 @@ struct DualEdge {
 };
 
 struct DualTriangle {
-  std::array<std::uint32_t, 3> vertices;  // balls, counter-clockwise seen from cells[0]
+  std::array<std::uint32_t, 3> vertices;  // balls, ascending
   std::array<std::uint32_t, 3> edges;     // of the complex; edges[k] is opposite to vertices[k]
-  std::array<std::uint32_t, 2> cells;     // of the triangulation, one on each side
-  std::array<bool, 2> exposed;            // cells[s] is outside the complex: an exposed corner
+  // Cells of the triangulation, one on each side; from cells[0] the vertices are seen
+  // counter-clockwise.
+  std::array<std::uint32_t, 2> cells;
+  std::array<bool, 2> exposed;  // cells[s] is outside the complex: an exposed corner
 };
 
+// Edges and triangles are sorted by their vertices. So the order of the balls alone gives that of
+// all simplices, whatever the cells outside the complex are.
 struct DualComplex {
   std::vector<std::uint8_t> in_complex;  // per ball of the triangulation
   std::vector<std::uint8_t> exposed;     // per ball: its sphere has exposed area

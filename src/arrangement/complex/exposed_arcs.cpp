@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "core/fixed_blocks.hpp"
+#include "core/sorted_rows.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -78,6 +79,11 @@ std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
         }
       });
   arcs.insert(arcs.end(), with_corners.begin(), with_corners.end());
+  SortedRows<ExposedArc> sorted;  // by the lower ball
+  sorted.fill(triangulation.balls.size(), arcs.size(), [&](std::size_t i, const auto& add) {
+    add(complex.edges[arcs[i].edge].vertices[0], arcs[i]);
+  });
+  std::ranges::copy(sorted.entries(), arcs.begin());
   return arcs;
 }
 

@@ -20,9 +20,11 @@ inline constexpr CornerIndex kNoCorner = ~CornerIndex{0};
 struct ExposedArc {
   std::uint32_t edge;      // of the complex
   CornerIndex start, end;  // both kNoCorner on a whole circle
+  friend auto operator<=>(const ExposedArc&, const ExposedArc&) = default;
 };
 
-// All exposed arcs, first the whole circles. The order depends on the complex alone.
+// All exposed arcs, sorted by edge, and on one circle by the corner at which they start. So the
+// arcs whose lower ball is the same follow each other, in the order of these balls.
 std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
                                      const DualComplex& complex);
 

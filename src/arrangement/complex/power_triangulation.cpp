@@ -1,14 +1,10 @@
 // triangulate(): from spheres to the arrays of a regular triangulation.
 //
-// 1. Of concentric balls only the largest stays. Balls are numbered in spatial order and scaled.
+// 1. Of concentric balls only the largest stays. Balls are numbered by place and scaled.
 // 2. The cells are made in blocks of space, side by side (joined_cells.hpp).
 // 3. Cells are sorted by their vertices, so that their order does not depend on the blocks.
 #include "arrangement/complex/power_triangulation.hpp"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Spatial_sort_traits_adapter_3.h>
-#include <CGAL/property_map.h>
-#include <CGAL/spatial_sort.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_sort.h>
 
@@ -43,26 +39,23 @@ std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
   return ids;
 }
 
-// Orders the balls by CGAL's spatial_sort: several rounds along a Hilbert curve, with most balls in
-// the last round. Within a round, balls that are near in space are near in memory. The order
-// numbers the balls, and with them the vertices of crease-exact meshes.
-std::vector<SphereId> spatial_order(const SphereSet& spheres) {
+// The balls in the order of the frame. It numbers the balls, and with them the edges, triangles,
+// arcs and corners of the boundary, and the vertices of crease-exact meshes.
+std::vector<SphereId> spatial_order(const SphereSet& spheres, const SpatialFrame& frame) {
+  struct Keyed {
+    std::uint64_t key;
+    SphereId id;
+  };
   const std::vector<SphereId> ids = distinct_centers(spheres);
-  using Point = CGAL::Epick::Point_3;
-  std::vector<Point> points;
-  points.reserve(ids.size());
-  for (const SphereId id : ids) {
-    const Vec3d& c = spheres[id].center;
-    points.emplace_back(c.x, c.y, c.z);
-  }
-  std::vector<std::size_t> order(ids.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  using Map = CGAL::Pointer_property_map<Point>::type;
-  CGAL::spatial_sort(
-      order.begin(), order.end(),
-      CGAL::Spatial_sort_traits_adapter_3<CGAL::Epick, Map>(CGAL::make_property_map(points)));
+  Buffer<Keyed> keyed(ids.size());
+  for_each_index(ids.size(), [&](std::size_t i) {
+    keyed[i] = {frame.key(spheres[ids[i]].center), ids[i]};
+  });
+  tbb::parallel_sort(keyed.begin(), keyed.end(), [&](const Keyed& a, const Keyed& b) {
+    return comes_before(a.key, spheres[a.id].center, b.key, spheres[b.id].center);
+  });
   std::vector<SphereId> sorted(ids.size());
-  std::transform(order.begin(), order.end(), sorted.begin(), [&](std::size_t i) { return ids[i]; });
+  for_each_index(ids.size(), [&](std::size_t i) { sorted[i] = keyed[i].id; });
   return sorted;
 }
 
@@ -157,12 +150,22 @@ std::size_t blocks_for_cores(std::size_t balls) {
 
 }  // namespace
 
+BallFrame ball_frame(const SphereSet& spheres) {
+  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
+  return {spatial_frame(spheres), scale_exponent(spheres)};
+}
+
 PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor,
                                std::optional<std::size_t> blocks) {
+  return triangulate_part(spheres, ball_frame(spheres), monitor, blocks);
+}
+
+PowerTriangulation triangulate_part(const SphereSet& spheres, const BallFrame& frame,
+                                    Monitor* monitor, std::optional<std::size_t> blocks) {
   PowerTriangulation out;
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
-  out.ids = spatial_order(spheres);
-  out.scale_exponent = scale_exponent(spheres);
+  out.ids = spatial_order(spheres, frame.order);
+  out.scale_exponent = frame.scale_exponent;
   out.balls.reserve(out.ids.size());
   for (const SphereId id : out.ids) out.balls.push_back(scaled(spheres[id], out.scale_exponent));
   const std::array<Vec3d, 4> auxiliary = auxiliary_points(out.balls);

@@ -13,6 +13,7 @@
 
 #include "core/buffer.hpp"
 #include "core/monitor.hpp"
+#include "spheres/spatial_frame.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -21,8 +22,8 @@ inline constexpr std::uint32_t kNoIndex = 0xffffffffu;  // in place of an index:
 
 struct PowerTriangulation {
   // Balls with distinct centres: of concentric balls only the largest, of equal balls only the one
-  // with the lowest id. Balls near in space are near in this order. All lengths are multiplied by
-  // 2^-scale_exponent, so that the largest radius is in [1/2, 1).
+  // with the lowest id. They are numbered by place, in the order of a SpatialFrame. All lengths are
+  // multiplied by 2^-scale_exponent, so that the largest radius is in [1/2, 1).
   std::vector<Sphere> balls;
   std::vector<SphereId> ids;  // for each ball its id in the SphereSet
   int scale_exponent = 0;
@@ -40,6 +41,15 @@ struct PowerTriangulation {
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
     {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
+// What the balls of a set have in common: their order and their scale.
+struct BallFrame {
+  SpatialFrame order;
+  int scale_exponent = 0;  // 2^-scale_exponent times the largest radius is in [1/2, 1)
+};
+
+// Throws InvalidInput for an empty set.
+BallFrame ball_frame(const SphereSet& spheres);
+
 // The triangulation is exact for any finite input. It does not depend on the order of the spheres,
 // except for their ids, nor on the number of threads.
 // `blocks`: into how many blocks the space is divided, which are triangulated side by side; by
@@ -49,5 +59,10 @@ inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
 // several thousand balls).
 PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = nullptr,
                                std::optional<std::size_t> blocks = std::nullopt);
+// Triangulates a part of a set, given the frame of the whole set. Its balls have the order that
+// they have in the whole, and the same scale; the ids are indices in `spheres`.
+PowerTriangulation triangulate_part(const SphereSet& spheres, const BallFrame& frame,
+                                    Monitor* monitor = nullptr,
+                                    std::optional<std::size_t> blocks = std::nullopt);
 
 }  // namespace vdwmesh

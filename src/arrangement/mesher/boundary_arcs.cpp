@@ -12,6 +12,7 @@
 #include "arrangement/mesher/boundary_arcs.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -20,7 +21,6 @@
 #include "arrangement/directions.hpp"
 #include "arrangement/mesher/touching_arcs.hpp"
 #include "core/disjoint_sets.hpp"
-#include "core/first_named.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
 
@@ -58,17 +58,13 @@ class BoundaryBuilder {
  private:
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
-  // Step (1). Corners are numbered in the order in which the arcs name them.
+  // Step (1). Corners are numbered in their order in the complex. An exposed corner is the start of
+  // an arc.
   void place_arcs(const std::vector<ExposedArc>& exposed) {
-    // The corner in which an arc begins (even `end`) or ends (odd `end`). A whole circle has none:
-    // corner_of_.size() says so to number_first_named().
-    const auto end_of_arc = [&](std::size_t end) -> std::size_t {
-      const ExposedArc& arc = exposed[end / 2];
-      return arc.start == kNoCorner ? corner_of_.size() : end % 2 == 0 ? arc.start : arc.end;
-    };
-    const std::uint32_t corners =
-        number_first_named(2 * exposed.size(), corner_of_.size(), end_of_arc,
-                           [&](CornerIndex index, std::uint32_t n) { corner_of_[index] = n; });
+    const std::uint32_t corners = number_all(
+        corner_of_.size(),
+        [&](CornerIndex index) { return k_.triangles[index / 2].exposed[index % 2]; },
+        [&](CornerIndex index, std::uint32_t n) { corner_of_[index] = n; });
     out_.corners.resize(corners);
     for_each_index(corner_of_.size(), [&](CornerIndex index) {
       if (corner_of_[index] != kNoIndex) out_.corners[corner_of_[index]] = corner(index);
@@ -246,7 +242,7 @@ class BoundaryBuilder {
 
   // Replaces each set of joined corners by its member of lowest index, which is what
   // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
-  // anew in the order of the arcs; corners in which no arc ends any more are dropped. Of the
+  // anew, in the same order; corners in which no arc ends any more are dropped. Of the
   // corners, only pairs of joined_ count in `joins`, since leave_out_arcs() has counted the short
   // arcs in `points`.
   void join_corners() {
@@ -259,16 +255,18 @@ class BoundaryBuilder {
       sets.join(a, b);
     }
     remove(arcs_with([&](const BoundaryArc& arc) { return is_point(arc, sets); }));
+    std::vector<std::uint8_t> is_end(out_.corners.size(), 0);  // of an arc
+    for_each_index(out_.arcs.size(), [&](std::size_t a) {
+      if (out_.arcs[a].is_circle()) return;
+      for (const std::uint32_t end : out_.arcs[a].ends) {
+        std::atomic_ref(is_end[sets.find(end)]).store(1, std::memory_order_relaxed);
+      }
+    });
     // By old index of a corner: its new index, or kNoIndex if no arc ends there.
     std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
-    // As in place_arcs(), the ends of whole circles name nothing: number.size().
-    const auto root_at = [&](std::size_t end) -> std::size_t {
-      const BoundaryArc& arc = out_.arcs[end / 2];
-      return arc.is_circle() ? number.size() : sets.find(arc.ends[end % 2]);
-    };
-    Buffer<BoundaryCorner> kept(
-        number_first_named(2 * out_.arcs.size(), number.size(), root_at,
-                           [&](std::size_t root, std::uint32_t n) { number[root] = n; }));
+    Buffer<BoundaryCorner> kept(number_all(
+        number.size(), [&](std::size_t c) { return is_end[c] != 0; },
+        [&](std::size_t c, std::uint32_t n) { number[c] = n; }));
     for_each_index(number.size(), [&](std::size_t c) {
       if (number[c] != kNoIndex) kept[number[c]] = out_.corners[c];
     });

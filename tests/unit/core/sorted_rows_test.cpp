@@ -1,5 +1,4 @@
-// Rows filled on all cores beside a map that is filled in order, and numbers of names beside a
-// search for each.
+// Rows filled on all cores beside a map that is filled in order.
 #include "core/sorted_rows.hpp"
 
 #include <gtest/gtest.h>
@@ -9,8 +8,6 @@
 #include <map>
 #include <random>
 #include <vector>
-
-#include "core/first_named.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -53,36 +50,6 @@ TEST(SortedRows, AnyThreadsGiveTheRowsOfAMap) {
     expect_rows_of_a_map(700, 20'001, threads);
   }
   EXPECT_EQ(SortedRows<int>().size(), 0u);
-}
-
-void expect_numbers_by_search(std::size_t count, std::size_t names, std::size_t threads) {
-  SCOPED_TRACE(::testing::Message() << count << " of " << names << ", threads " << threads);
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  std::mt19937_64 random(count + names);
-  std::vector<std::size_t> list(count);
-  for (std::size_t& name : list) name = random() % (names + 1);  // `names`: none
-  std::vector<std::size_t> expected;                             // in the order of first places
-  for (const std::size_t name : list) {
-    if (name < names && std::ranges::find(expected, name) == expected.end()) {
-      expected.push_back(name);
-    }
-  }
-  std::vector<std::size_t> found(names, names);  // by number
-  const std::uint32_t numbers = number_first_named(
-      count, names, [&](std::size_t place) { return list[place]; },
-      [&](std::size_t name, std::uint32_t n) { found[n] = name; });
-  ASSERT_EQ(numbers, expected.size());
-  found.resize(numbers);
-  EXPECT_EQ(found, expected);
-}
-
-TEST(NumberFirstNamed, AnyThreadsGiveTheOrderOfFirstPlaces) {
-  for (const std::size_t threads : {1u, 3u, 8u}) {
-    expect_numbers_by_search(0, 5, threads);
-    expect_numbers_by_search(40'000, 1, threads);
-    expect_numbers_by_search(40'000, 500, threads);
-    expect_numbers_by_search(3'000, 5'000, threads);
-  }
 }
 
 }  // namespace
