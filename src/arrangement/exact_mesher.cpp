@@ -1,7 +1,7 @@
 // The outer loop of the crease-exact mesher: it chooses feature sizes and checks the topology.
 // Feature sizes are thresholds: arcs and circles up to these sizes are reduced to points.
 //
-// 1. arrange() builds the regular triangulation, the dual complex and the areas of the patches.
+// 1. arrange() finds the arcs and corners of the boundary and the areas of the patches.
 // 2. FeatureSizeSearch tries several sets of feature sizes. For each set, boundary_arcs() places
 //    arcs and corners in space, and mesh_boundary() meshes the patches between them (see mesher/).
 // 3. If features were reduced to points, compare() holds the Euler characteristic and the number of
@@ -10,7 +10,6 @@
 #include "arrangement/exact_mesher.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -24,6 +23,7 @@
 
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/topology.hpp"
+#include "arrangement/mesher/arrangement.hpp"
 #include "arrangement/mesher/mesh_team.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "arrangement/mesher/split_fans.hpp"
@@ -52,23 +52,6 @@ constexpr FeatureSizes kUsual{};
 constexpr FeatureSizes kFiner{1e-11, 1e-7};
 constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-5, 1e-4}}};
 
-// Into how many blocks the triangulation is divided: as many as there are cores, of some hundred
-// balls at least. Small blocks cost more work in all than one for a small set, but less time.
-std::size_t blocks_of(std::size_t balls) {
-  constexpr std::size_t kLeastBalls = 500;
-  const auto cores =
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  return std::clamp<std::size_t>(balls / kLeastBalls, 1, cores);
-}
-
-// Everything that the mesher needs and that does not depend on feature sizes.
-Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
-  Arrangement a{triangulate(spheres, monitor, blocks_of(spheres.size())), {}, {}};
-  a.complex = dual_complex(a.triangulation, monitor);
-  a.areas = exposed_areas(a.triangulation, a.complex);
-  return a;
-}
-
 // A closed triangle mesh has E = 3 F / 2 edges, so its Euler characteristic is V - F / 2.
 SurfaceTopology surface_topology(const IndexedMesh& mesh) {
   DisjointSets shells(mesh.vertex_count());
@@ -83,7 +66,7 @@ SurfaceTopology surface_topology(const IndexedMesh& mesh) {
 
 // The exact topology of the boundary, on which each point of contact counts twice, because the mesh
 // has a vertex on either ball there. Two balls that only touch are separate components here.
-SurfaceTopology surface_topology(const Arrangement& a) {
+SurfaceTopology surface_topology(const WholeComplex& a) {
   const UnionTopology topology =
       union_topology(a.triangulation, a.complex, gauss_bonnet(a.triangulation, a.complex));
   DisjointSets components(a.complex.in_complex.size());
@@ -175,7 +158,7 @@ class FeatureSizeSearch {
   }
 
   BoundaryArcs place(const FeatureSizes& sizes) const {
-    return boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
+    return boundary_arcs(arrangement_.balls, arrangement_.boundary, sizes);
   }
 
   bool is_refused(const BoundaryArcs& boundary) const {
@@ -197,7 +180,11 @@ class FeatureSizeSearch {
   void compare(ExactMeshStats& stats) {
     if (stats.points + stats.contacts + stats.joins == 0) return;
     if (!exact_) {
-      team_.together([&] { exact_ = surface_topology(arrangement_); });
+      team_.together([&] {
+        exact_ = arrangement_.whole
+                     ? surface_topology(*arrangement_.whole)
+                     : surface_topology(whole_complex(arrangement_.balls, options_.monitor));
+      });
     }
     const SurfaceTopology found = team_.topology();
     stats.euler_difference = found.euler_characteristic - exact_->euler_characteristic;
@@ -284,6 +271,7 @@ ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSe
   });
   const double arrangement_seconds = seconds_since(begin);
   ExactMeshStats stats = FeatureSizeSearch(*arrangement, options, device, team).run();
+  stats.triangulated_balls = arrangement->triangulated;
   stats.arrangement_seconds = arrangement_seconds;
   stats.seconds = seconds_since(begin);
   return stats;

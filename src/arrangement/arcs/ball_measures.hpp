@@ -59,20 +59,44 @@ class BallMeasurer {
   // here.
   BallMeasures measure(const CellView& cell);
 
- private:
   // What a plane of the cell has in common with the ball.
   struct Face {
     bool crossed = false;      // a segment bounds it
+    bool whole = false;        // it is the whole disk
     std::uint32_t ends = 0;    // corners on its circle
     std::int32_t balance = 0;  // ends of arcs less starts, counter-clockwise about the axis
     Vec3d reference{};         // from the disk's centre to its first corner
     Complex arc{1, 0};         // its argument is the exposed angle from the reference, modulo 2 pi
+
+    bool meets_ball() const { return crossed || ends > 0 || whole; }
   };
+  // A corner of the exposed patch, on an edge of the cell; with the names of CellEdge, the edge
+  // lies in the planes a and b. Direction 1: the corner lies from the edge's middle along axis a ×
+  // axis b, and an arc of circle a starts there and one of b ends; -1: the other way round.
+  struct PatchCorner {
+    EdgeEnd edge;
+    std::int32_t direction;
+  };
+  // An edge of the cell by numbers: its vertices and its planes.
+  struct CellEdge {
+    std::uint32_t from, to, a, b;
+  };
+  static CellEdge edge_of(const CellView& cell, EdgeEnd end);
+
+  // Of the last ball, if measure() found planes and an exposed patch, and no doubt. Without a patch
+  // there are no corners, and faces are not valid.
+  bool has_faces() const { return has_faces_; }
+  std::span<const PatchCorner> corners() const { return {patch_corners_.data(), corners_}; }
+  std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
+  const Face& face(std::uint32_t plane) const { return faces_[plane]; }
+
+ private:
   // An edge of the cell: its planes in the order in which the edge runs against the cross product
   // of their axes.
   struct Edge {
     std::uint32_t a, b;
     Vec3d from, to;
+    EdgeEnd end;
   };
 
   // The point of a plane that is nearest to the centre, in the order z, x, y of turned_cross(). The
@@ -81,20 +105,13 @@ class BallMeasurer {
     double at[4];
   };
 
-  // An edge of the cell by numbers: its vertices and its planes.
-  struct CellEdge {
-    std::uint32_t from, to, a, b;
-  };
-
   void find_edges(const CellView& cell);
   void find_feet(const CellView& cell);
   std::span<const EdgeEnd> edges(std::size_t ends_inside) const {
     return {edges_[ends_inside].data(), edge_count_[ends_inside]};
   }
-  static CellEdge edge_of(const CellView& cell, EdgeEnd end);
   bool find_inside(const CellView& cell);
   bool find_faces(const CellView& cell);
-  std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
   BallMeasures measure_polytope(const CellView& cell);
   BallMeasures measure_patch(const CellView& cell);
   void add_inner_edges(const CellView& cell);
@@ -118,6 +135,8 @@ class BallMeasurer {
   std::array<std::vector<EdgeEnd>, 3> edges_;
   std::array<std::size_t, 3> edge_count_{};
   std::vector<Foot> feet_;  // by plane; valid for planes_
+  std::vector<PatchCorner> patch_corners_;
+  bool has_faces_ = false;
   std::uint64_t stamp_ = 0;
   std::uint32_t inside_ = 0, doubts_ = 0, segments_ = 0, corners_ = 0;
   double worst_ = 1;  // the largest condition number of a corner's angle

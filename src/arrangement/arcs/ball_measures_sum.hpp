@@ -33,6 +33,7 @@ inline void AngleSum::add(const Complex& factor) {
 
 inline BallMeasures BallMeasurer::measure(const CellView& cell) {
   doubts_ = cell.doubts;
+  has_faces_ = false;
   // Without a plane nothing was cut off the ball, and without a vertex nothing is left of it.
   if (cell.empty()) return {0, 0, doubts_, 0, 0};
   if (cell.plane_count == kWalls) return {4 * kPi, 4 * kPi / 3, doubts_, 2, 0};
@@ -94,6 +95,7 @@ inline void BallMeasurer::find_edges(const CellView& cell) {
   const std::uint32_t vertices = cell.vertex_count;
   if (edges_[0].size() < 3 * vertices) {
     for (std::vector<EdgeEnd>& list : edges_) list.resize(6 * vertices);
+    patch_corners_.resize(12 * vertices);  // an edge has two corners at most
   }
   const EdgeEnd* const twins = cell.twin;
   EdgeEnd* const inner = edges_[2].data();
@@ -198,7 +200,7 @@ inline void BallMeasurer::add_inner_edges(const CellView& cell) {
 inline void BallMeasurer::add_crossing_edges(const CellView& cell) {
   for (const EdgeEnd end : edges(1)) {
     const auto [from, to, a, b] = edge_of(cell, end);
-    add_edge(cell, {a, b, cell.vertex(from), cell.vertex(to)}, 1, height_[from] < 0);
+    add_edge(cell, {a, b, cell.vertex(from), cell.vertex(to), end}, 1, height_[from] < 0);
   }
 }
 
@@ -209,7 +211,7 @@ inline void BallMeasurer::add_outer_edges(const CellView& cell) {
   constexpr double kMargin = 1e-3;
   for (const EdgeEnd end : edges(0)) {
     const auto [from, to, a, b] = edge_of(cell, end);
-    const Edge edge{a, b, cell.vertex(from), cell.vertex(to)};
+    const Edge edge{a, b, cell.vertex(from), cell.vertex(to), end};
     const Vec3d along = edge.to - edge.from;
     const double start = inner(edge.from, along), stop = inner(edge.to, along);
     if (!(start < 0 && stop > 0)) continue;
@@ -307,7 +309,7 @@ inline void BallMeasurer::add_corner(const Edge& edge, const Cap& a, const Cap& 
   open_ = open_ + cross(arm, corner);
   add_arc_end(faces_[edge.a], a, corner, -direction);
   add_arc_end(faces_[edge.b], b, corner, direction);
-  ++corners_;
+  patch_corners_[corners_++] = {edge.end, direction};
 }
 
 // Adds an arc's end (direction 1) or start (-1). Arcs run counter-clockwise about the axis. The
@@ -371,7 +373,7 @@ inline BallMeasures BallMeasurer::sum_up(const CellView& cell) {
   std::uint32_t disks = 0, whole_circles = 0;
   double deepest = 1;
   for (const std::uint32_t plane : planes()) {
-    const Face& face = faces_[plane];
+    Face& face = faces_[plane];
     const Cap& cap = cell.plane[plane];
     double angle = 0;
     if (face.ends > 0) {
@@ -381,6 +383,7 @@ inline BallMeasures BallMeasurer::sum_up(const CellView& cell) {
     } else if (!face.crossed) {
       if (!is_whole_disk(cell, plane)) continue;
       angle = 2 * kPi;
+      face.whole = true;
       ++whole_circles;
     }
     ++disks;
@@ -390,6 +393,7 @@ inline BallMeasures BallMeasurer::sum_up(const CellView& cell) {
   }
   // Every plane cuts the ball. If none has a face inside the ball, the cell lies outside of it.
   if (disks == 0) return {0, 0, doubts_, 0, 0};
+  has_faces_ = true;
   const auto euler = static_cast<std::int32_t>(2 - inside_ + segments_ - disks);
   bend.add(-*next_angle);
   const double turns = euler + static_cast<double>(whole_circles) - turning_.turns();

@@ -6,7 +6,9 @@
 // the small room cannot hold are begun again in a large one.
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "arrangement/arcs/ball_measures.hpp"
 #include "arrangement/arcs/cap_order.hpp"
@@ -20,6 +22,11 @@ class CutBall {
   // come. The time is n log n for n caps, and n m with the m vertices of the power cell.
   BallMeasures measure(std::span<const Cap> caps);
 
+  // Of the last ball. A plane of the cell that is no wall is that of the cap with this index.
+  const CellView& cell() const { return view_; }
+  const BallMeasurer& measurer() const { return measurer_; }
+  std::uint32_t cap_of(std::uint32_t plane) const { return cap_of_[plane - kWalls]; }
+
  private:
   template <class Cell>
   bool cut(Cell& cell, std::span<const Cap> caps, std::span<const std::uint32_t> order);
@@ -28,6 +35,8 @@ class CutBall {
   SmallPowerCell small_;
   PowerCell large_;
   BallMeasurer measurer_;
+  CellView view_{};
+  std::vector<std::uint32_t> cap_of_;
 };
 
 // Returns whether the cell had room.
@@ -35,6 +44,7 @@ template <class Cell>
 VDWMESH_INLINE bool CutBall::cut(Cell& cell, std::span<const Cap> caps,
                                  std::span<const std::uint32_t> order) {
   cell.reset();
+  cap_of_.clear();
   const Cap* last = nullptr;
   bool was_cut = true;
   for (const std::uint32_t i : order) {
@@ -49,6 +59,7 @@ VDWMESH_INLINE bool CutBall::cut(Cell& cell, std::span<const Cap> caps,
     // Equal balls have the same cap, of which the second would cut through rounding errors.
     was_cut = (last == nullptr || !same_cap(*last, cap)) && cell.cut(cap);
     if (cell.empty()) break;
+    if (was_cut) cap_of_.push_back(i);
     last = &cap;
   }
   return !cell.overflowed();
@@ -56,9 +67,13 @@ VDWMESH_INLINE bool CutBall::cut(Cell& cell, std::span<const Cap> caps,
 
 inline BallMeasures CutBall::measure(std::span<const Cap> caps) {
   const std::span<const std::uint32_t> order = order_.sort(caps);
-  if (cut(small_, caps, order)) return measurer_.measure(small_.finish());
-  cut(large_, caps, order);
-  return measurer_.measure(large_.finish());
+  if (cut(small_, caps, order)) {
+    view_ = small_.finish();
+  } else {
+    cut(large_, caps, order);
+    view_ = large_.finish();
+  }
+  return measurer_.measure(view_);
 }
 
 }  // namespace vdwmesh::arcs

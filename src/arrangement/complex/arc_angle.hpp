@@ -6,6 +6,10 @@
 // from dihedral angles is slower, but right to rounding in these cases too.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <vector>
+
 #include "arrangement/complex/exposed_arcs.hpp"
 #include "arrangement/complex/simplex_shape.hpp"
 
@@ -22,5 +26,11 @@ inline constexpr double kSmallArc = 1e-6;
 // corners, that is, it is not a whole circle.
 double angle_by_dihedrals(const PowerTriangulation& triangulation, const DualComplex& complex,
                           const ExposedArc& arc);
+// The same for the arc of the circle of two balls (`edge`, the axis runs from its first ball to its
+// second) that begins and ends at corners of these triangles, each with the edge and a third ball.
+double angle_by_dihedrals(const std::vector<Sphere>& balls,
+                          const std::array<std::uint32_t, 2>& edge,
+                          const std::array<std::uint32_t, 3>& start,
+                          const std::array<std::uint32_t, 3>& end);
 
 }  // namespace vdwmesh

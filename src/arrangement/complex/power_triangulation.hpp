@@ -9,25 +9,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
+#include "arrangement/complex/placed_balls.hpp"
 #include "core/buffer.hpp"
 #include "core/monitor.hpp"
-#include "spheres/spatial_frame.hpp"
-#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 
-inline constexpr std::uint32_t kNoIndex = 0xffffffffu;  // in place of an index: there is none
-
-struct PowerTriangulation {
-  // Balls with distinct centres: of concentric balls only the largest, of equal balls only the one
-  // with the lowest id. They are numbered by place, in the order of a SpatialFrame. All lengths are
-  // multiplied by 2^-scale_exponent, so that the largest radius is in [1/2, 1).
-  std::vector<Sphere> balls;
-  std::vector<SphereId> ids;  // for each ball its id in the SphereSet
-  int scale_exponent = 0;
-
+struct PowerTriangulation : PlacedBalls {
   // For each cell its vertices, positively oriented and otherwise ascending, and for each vertex
   // the neighbouring cell opposite to it (kNoIndex: none). A vertex is an index into `balls`; four
   // further indices from balls.size() on are the auxiliary points. A ball that the weights hide is
@@ -41,15 +30,6 @@ struct PowerTriangulation {
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
     {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
-// What the balls of a set have in common: their order and their scale.
-struct BallFrame {
-  SpatialFrame order;
-  int scale_exponent = 0;  // 2^-scale_exponent times the largest radius is in [1/2, 1)
-};
-
-// Throws InvalidInput for an empty set.
-BallFrame ball_frame(const SphereSet& spheres);
-
 // The triangulation is exact for any finite input. It does not depend on the order of the spheres,
 // except for their ids, nor on the number of threads.
 // `blocks`: into how many blocks the space is divided, which are triangulated side by side; by
@@ -58,6 +38,9 @@ BallFrame ball_frame(const SphereSet& spheres);
 // LimitExceeded if there are 2^32 - 1 cells or more, and Cancelled (the monitor is asked once in
 // several thousand balls).
 PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = nullptr,
+                               std::optional<std::size_t> blocks = std::nullopt);
+// The same of balls that are in their places already.
+PowerTriangulation triangulate(PlacedBalls&& balls, Monitor* monitor = nullptr,
                                std::optional<std::size_t> blocks = std::nullopt);
 // Triangulates a part of a set, given the frame of the whole set. Its balls have the order that
 // they have in the whole, and the same scale; the ids are indices in `spheres`.

@@ -1,14 +1,14 @@
-// Computes centre, radius and angle of each exposed arc of the dual complex. Arcs that are too
+// Computes centre, radius and angle of each exposed arc of the union's boundary. Arcs that are too
 // small for coordinates in double become points, and whole circles that are too small vanish.
 //
-// Steps: (1) Each arc of exposed_arcs() gets the frame of its circle and its sweep, the angle that
-// it turns. Each corner is computed once, from its three spheres, and shared by its arcs. Arcs that
-// are short or lie on a tiny circle are left out here; the ends of such an arc are noted as one
-// point. (2) Circles of one ball that touch get a common corner (touching_arcs.cpp). (3) Pairs of
-// corners of one ball that coincide within FeatureSizes::arc are noted as one point. (4) Union-find
-// merges all corners that were noted as one point. This may merge the two ends of a further short
-// arc, which was a little too long to be left out in step (1); such arcs are removed. (5) Patches
-// without width are closed until there is none left.
+// Steps: (1) Each arc of the ExposedBoundary gets the frame of its circle and its sweep, the angle
+// that it turns. Each corner is computed once, from its three spheres, and shared by its arcs. Arcs
+// that are short or lie on a tiny circle are left out here; the ends of such an arc are noted as
+// one point. (2) Circles of one ball that touch get a common corner (touching_arcs.cpp). (3) Pairs
+// of corners of one ball that coincide within FeatureSizes::arc are noted as one point. (4)
+// Union-find merges all corners that were noted as one point. This may merge the two ends of a
+// further short arc, which was a little too long to be left out in step (1); such arcs are removed.
+// (5) Patches without width are closed until there is none left.
 #include "arrangement/mesher/boundary_arcs.hpp"
 
 #include <algorithm>
@@ -37,14 +37,14 @@ constexpr double kJoinAllowance = 4;
 // Builds the result step by step; run() lists the steps.
 class BoundaryBuilder {
  public:
-  BoundaryBuilder(const PowerTriangulation& triangulation, const DualComplex& complex,
+  BoundaryBuilder(const PlacedBalls& balls, const ExposedBoundary& exposed,
                   const FeatureSizes& sizes)
-      : t_(triangulation), k_(complex), corner_of_(2 * k_.triangles.size(), kNoIndex) {
+      : t_(balls), exposed_(exposed) {
     out_.sizes = sizes;
   }
 
   BoundaryArcs run() && {
-    place_arcs(exposed_arcs(t_, k_));
+    place_arcs();
     find_touching_arcs();
     find_coincident_corners();
     join_corners();
@@ -58,43 +58,34 @@ class BoundaryBuilder {
  private:
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
-  // Step (1). Corners are numbered in their order in the complex. An exposed corner is the start of
-  // an arc.
-  void place_arcs(const std::vector<ExposedArc>& exposed) {
-    const std::uint32_t corners = number_all(
-        corner_of_.size(),
-        [&](CornerIndex index) { return k_.triangles[index / 2].exposed[index % 2]; },
-        [&](CornerIndex index, std::uint32_t n) { corner_of_[index] = n; });
-    out_.corners.resize(corners);
-    for_each_index(corner_of_.size(), [&](CornerIndex index) {
-      if (corner_of_[index] != kNoIndex) out_.corners[corner_of_[index]] = corner(index);
-    });
-    out_.arcs.resize(exposed.size());
-    for_each_index(exposed.size(), [&](std::size_t i) { out_.arcs[i] = placed(exposed[i]); });
+  // Step (1).
+  void place_arcs() {
+    out_.corners.resize(exposed_.corners.size());
+    for_each_index(out_.corners.size(),
+                   [&](std::size_t c) { out_.corners[c] = corner(exposed_.corners[c]); });
+    out_.arcs.resize(exposed_.arcs.size());
+    for_each_index(out_.arcs.size(),
+                   [&](std::size_t a) { out_.arcs[a] = placed(exposed_.arcs[a]); });
     leave_out_arcs();
   }
 
-  // A corner of the dual complex. A CornerIndex is 2 × triangle + side. Side 0 lies above the
-  // triangle: its vertices a, b, c are counter-clockwise seen from there. Side 1 lies below.
-  BoundaryCorner corner(CornerIndex index) const {
-    const DualTriangle& f = k_.triangles[index / 2];
-    const Sphere& a = ball(f.vertices[0]);
-    const CommonPoints points = common_points(a, ball(f.vertices[1]), ball(f.vertices[2]));
-    return {a.center + (index % 2 == 0 ? points.above : points.below), f.vertices};
+  BoundaryCorner corner(const ExposedCorner& exposed) const {
+    const auto& [a, b, c] = exposed.balls;
+    const CommonPoints points = common_points(ball(a), ball(b), ball(c));
+    return {ball(a).center + (exposed.side == 0 ? points.above : points.below), exposed.balls};
   }
 
   // Computes the frame and the sweep of one arc. The frame is the centre of
   // the circle and two vectors, `cosine` in the direction `out` of angle 0 and `sine` a quarter
   // turn further. Angle 0 is at the arc's first corner. On a whole circle it is anywhere.
-  BoundaryArc placed(const ExposedArc& exposed) const {
-    const DualEdge& e = k_.edges[exposed.edge];
-    const Sphere &a = ball(e.vertices[0]), &b = ball(e.vertices[1]);
+  BoundaryArc placed(const CornerArc& exposed) const {
+    const Sphere &a = ball(exposed.balls[0]), &b = ball(exposed.balls[1]);
     const EdgeShape shape = edge_shape(a, b);
     const Vec3d axis = (1 / shape.length) * (b.center - a.center);
     // Members: balls, ends, center, cosine, sine, sweep, radius. Those that are empty or 0 here are
     // set below.
-    BoundaryArc arc{e.vertices,
-                    {kNoIndex, kNoIndex},
+    BoundaryArc arc{exposed.balls,
+                    exposed.corners,
                     a.center + shape.height[0] * axis,
                     {},
                     {},
@@ -107,14 +98,13 @@ class BoundaryBuilder {
     const bool small =
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
-    if (exposed.start == kNoCorner) {
+    if (exposed.is_circle()) {
       arc.sweep = 2 * std::numbers::pi;
       // If atoms stand on a lattice, as in crystals, circles touch each other in the directions of
       // the coordinate axes. The first vertex of a whole circle is turned away from there by 1 rad,
       // so that two circles have no vertex in the point where they touch.
       out = std::cos(1.0) * out + std::sin(1.0) * cross(axis, out);
     } else {
-      arc.ends = {corner_of_[exposed.start], corner_of_[exposed.end]};
       const Vec3d p = out_.corners[arc.ends[0]].position - arc.center,
                   q = out_.corners[arc.ends[1]].position - arc.center;
       const Vec3d radial = p - dot(p, axis) * axis;
@@ -136,13 +126,18 @@ class BoundaryBuilder {
   // kSmallArc, they cannot tell an arc of almost no length from an arc of almost a whole turn, and
   // the dihedral angles decide between the two. The sign of the small angle may be due to rounding.
   // So the result may exceed 2 pi by a rounding error.
-  double sweep(const ExposedArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
+  double sweep(const CornerArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
                bool small) const {
-    if (small) return angle_by_dihedrals(t_, k_, arc);
+    if (small) return angle_by_dihedrals(arc);
     const double angle = std::atan2(triple_product(axis, p, q), dot(p, q));
     if (std::abs(angle) >= kSmallArc) return angle < 0 ? angle + 2 * std::numbers::pi : angle;
-    return angle_by_dihedrals(t_, k_, arc) > std::numbers::pi ? 2 * std::numbers::pi + angle
-                                                              : std::abs(angle);
+    return angle_by_dihedrals(arc) > std::numbers::pi ? 2 * std::numbers::pi + angle
+                                                      : std::abs(angle);
+  }
+
+  double angle_by_dihedrals(const CornerArc& arc) const {
+    return vdwmesh::angle_by_dihedrals(t_.balls, arc.balls, exposed_.corners[arc.corners[0]].balls,
+                                       exposed_.corners[arc.corners[1]].balls);
   }
 
   // Leaves out the arcs that are too small, and counts them. The ends of an arc that becomes a
@@ -242,12 +237,13 @@ class BoundaryBuilder {
 
   // Replaces each set of joined corners by its member of lowest index, which is what
   // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
-  // anew, in the same order; corners in which no arc ends any more are dropped. Of the
-  // corners, only pairs of joined_ count in `joins`, since leave_out_arcs() has counted the short
-  // arcs in `points`.
+  // anew, in their order; corners in which no arc ends any more are dropped. Of the corners, only
+  // pairs of joined_ count in `joins`, since leave_out_arcs() has counted the short arcs in
+  // `points`. As a rule there is nothing to join; then every corner ends three arcs and stays.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
+    if (!out_.has_joined_corners) return;
     DisjointSets sets(out_.corners.size());
     for (const auto& [a, b] : short_arc_ends_) sets.join(a, b);
     for (const auto& [a, b] : joined_) {
@@ -358,12 +354,9 @@ class BoundaryBuilder {
     return norm(a.center - b.center) + std::abs(a.radius - b.radius) + a.radius * tilt <= reach;
   }
 
-  const PowerTriangulation& t_;
-  const DualComplex& k_;
+  const PlacedBalls& t_;
+  const ExposedBoundary& exposed_;
   BoundaryArcs out_;
-  // By CornerIndex of the dual complex: the index in out_.corners, or kNoIndex while the corner has
-  // no position.
-  std::vector<std::uint32_t> corner_of_;
   // Pairs of corners that are one point, as indices into out_.corners. short_arc_ends_ has the ends
   // of arcs that were left out, joined_ the pairs found by touching or by position.
   std::vector<std::array<std::uint32_t, 2>> short_arc_ends_, joined_;
@@ -375,9 +368,9 @@ Vec3d BoundaryArc::at(double angle) const {
   return center + (std::cos(angle) * cosine + std::sin(angle) * sine);
 }
 
-BoundaryArcs boundary_arcs(const PowerTriangulation& triangulation, const DualComplex& complex,
+BoundaryArcs boundary_arcs(const PlacedBalls& balls, const ExposedBoundary& exposed,
                            const FeatureSizes& sizes) {
-  return BoundaryBuilder(triangulation, complex, sizes).run();
+  return BoundaryBuilder(balls, exposed, sizes).run();
 }
 
 }  // namespace vdwmesh

@@ -15,7 +15,7 @@
 #include <array>
 #include <cstdint>
 
-#include "arrangement/complex/exposed_arcs.hpp"
+#include "arrangement/complex/exposed_boundary.hpp"
 #include "core/buffer.hpp"
 #include "core/vec3.hpp"
 
@@ -38,7 +38,7 @@ struct FeatureSizes {
 // points from the first ball to the second. Seen from outside the union, the patch of the second
 // ball lies on the left of the arc and the patch of the first ball on its right.
 struct BoundaryArc {
-  std::array<std::uint32_t, 2> balls;  // indices into PowerTriangulation::balls
+  std::array<std::uint32_t, 2> balls;  // indices into PlacedBalls::balls
   std::array<std::uint32_t, 2> ends;   // first and last corner; kNoIndex twice: a whole circle
   Vec3d center, cosine, sine;          // the last two have length `radius` and are orthogonal
   double sweep;                        // rad, the angle of the last corner; 2 pi for a whole circle
@@ -77,8 +77,8 @@ struct BoundaryArcs {
   }
 };
 
-// Places the boundary. The order of the result depends on the arguments alone.
-BoundaryArcs boundary_arcs(const PowerTriangulation& triangulation, const DualComplex& complex,
+// Places the boundary. Without reduced features, arcs and corners have the order of `exposed`.
+BoundaryArcs boundary_arcs(const PlacedBalls& balls, const ExposedBoundary& exposed,
                            const FeatureSizes& sizes = {});
 
 }  // namespace vdwmesh

@@ -21,9 +21,9 @@ namespace vdwmesh {
 // room for all, and kPatchArrays. Keeps references to its arguments.
 class MeshPlacement {
  public:
-  MeshPlacement(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
-                const ArcSampling& sampling, const PatchIndex& index, const MeshShare& share)
-      : t_(triangulation),
+  MeshPlacement(const PlacedBalls& balls, const BoundaryArcs& boundary, const ArcSampling& sampling,
+                const PatchIndex& index, const MeshShare& share)
+      : t_(balls),
         boundary_(boundary),
         sampling_(sampling),
         index_(index),
@@ -66,7 +66,7 @@ class MeshPlacement {
   // From scaled lengths to Å. The scale is a power of two, so this does not round.
   Vec3d unscaled(const Vec3d& p) const { return unit_ * p; }
 
-  const PowerTriangulation& t_;
+  const PlacedBalls& t_;
   const BoundaryArcs& boundary_;
   const ArcSampling& sampling_;
   const PatchIndex& index_;

@@ -28,8 +28,7 @@ MeshShare::Run even_run(const MeshTeam& team, std::uint64_t count) {
 
 }  // namespace
 
-std::vector<double> scaled_edge_lengths(const PowerTriangulation& t,
-                                        const ExactMeshOptions& options) {
+std::vector<double> scaled_edge_lengths(const PlacedBalls& t, const ExactMeshOptions& options) {
   std::vector<double> lengths;
   lengths.reserve(t.balls.size());
   for (const SphereId id : t.ids) {

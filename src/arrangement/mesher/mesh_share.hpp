@@ -26,8 +26,7 @@ struct MeshShare {
 };
 
 // The edge length of each ball, scaled as the triangulation.
-std::vector<double> scaled_edge_lengths(const PowerTriangulation& triangulation,
-                                        const ExactMeshOptions& options);
+std::vector<double> scaled_edge_lengths(const PlacedBalls& balls, const ExactMeshOptions& options);
 
 // The areas of patches, and the edge lengths wanted there, by ball and in one unit.
 struct PatchExtents {

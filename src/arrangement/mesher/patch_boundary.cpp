@@ -78,25 +78,12 @@ Vec3d direction(const Sphere& s, const Vec3d& p) { return (1 / s.radius) * (p - 
 
 }  // namespace
 
-PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
-                       const BoundaryArcs& boundary) {
-  const std::size_t balls = triangulation.balls.size();
-  arcs_.fill(balls, boundary.arcs.size(), [&](std::size_t a, const auto& add) {
+PatchIndex::PatchIndex(const PlacedBalls& balls, const ExposedBoundary& exposed,
+                       const BoundaryArcs& boundary)
+    : exposed_(exposed) {
+  arcs_.fill(balls.balls.size(), boundary.arcs.size(), [&](std::size_t a, const auto& add) {
     for (const std::uint32_t ball : boundary.arcs[a].balls) {
       add(ball, static_cast<std::uint32_t>(a));
-    }
-  });
-  // First the numbers of the edges, in their order, then in their places the balls at their other
-  // ends.
-  neighbors_.fill(balls, complex.edges.size(), [&](std::size_t e, const auto& add) {
-    for (const std::uint32_t ball : complex.edges[e].vertices) {
-      add(ball, static_cast<std::uint32_t>(e));
-    }
-  });
-  for_each_index(balls, [&](std::size_t ball) {
-    for (std::uint32_t& entry : neighbors_[ball]) {
-      const auto [low, high] = complex.edges[entry].vertices;
-      entry = low == ball ? high : low;
     }
   });
   if (!boundary.has_joined_corners) return;
@@ -114,7 +101,7 @@ PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComple
 std::span<const std::uint32_t> PatchIndex::arcs(std::uint32_t ball) const { return arcs_[ball]; }
 
 std::span<const std::uint32_t> PatchIndex::neighbors(std::uint32_t ball) const {
-  return neighbors_[ball];
+  return exposed_.neighbors(ball);
 }
 
 std::span<const std::uint32_t> PatchIndex::balls_at(std::uint32_t corner) const {
@@ -175,18 +162,18 @@ void gather_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, co
   }
 }
 
-void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
+void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
                      const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
                      PatchBoundary& out) {
-  const Sphere& s = triangulation.balls[ball];
+  const Sphere& s = balls.balls[ball];
   const auto cap_of = [&](std::uint32_t neighbor) {
-    return covered_cap(boundary, s, triangulation.balls[neighbor]);
+    return covered_cap(boundary, s, balls.balls[neighbor]);
   };
   out = {};
   std::vector<RimArc> rims;
   for (const std::uint32_t a : index.arcs(ball)) {
-    const auto& balls = boundary.arcs[a].balls;
-    const std::uint32_t neighbor = balls[balls[0] == ball ? 1 : 0];
+    const auto& of_arc = boundary.arcs[a].balls;
+    const std::uint32_t neighbor = of_arc[of_arc[0] == ball ? 1 : 0];
     rims.push_back({a, neighbor, cap_of(neighbor).cosine});
   }
   gather_pieces(boundary, sampling, s, ball, rims, out);

@@ -109,7 +109,8 @@ std::vector<std::uint32_t> boundary_order(std::size_t count);
 // The arcs and neighbours of each ball, and the balls at each corner, as compressed sparse rows.
 class PatchIndex {
  public:
-  PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
+  // `exposed` must outlive the index.
+  PatchIndex(const PlacedBalls& balls, const ExposedBoundary& exposed,
              const BoundaryArcs& boundary);
 
   // The arcs around a ball's patch, as indices into BoundaryArcs::arcs.
@@ -121,7 +122,8 @@ class PatchIndex {
   std::span<const std::uint32_t> balls_at(std::uint32_t corner) const;
 
  private:
-  SortedRows<std::uint32_t> arcs_, neighbors_;
+  SortedRows<std::uint32_t> arcs_;
+  const ExposedBoundary& exposed_;
   RowLists balls_;
 };
 
@@ -141,7 +143,7 @@ void gather_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, co
 CoveredCap covered_cap(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor);
 // Replaces `out` by the boundary of one ball's patch. A sphere without arcs gets no points and no
 // pieces, but all its caps.
-void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
+void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
                      const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
                      PatchBoundary& out);
 // Brings a boundary, that of the patch `side` on the sphere `s`, up to date after

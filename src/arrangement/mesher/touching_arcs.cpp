@@ -70,8 +70,7 @@ struct Cut {
 
 class TouchingArcs {
  public:
-  TouchingArcs(const PowerTriangulation& triangulation, BoundaryArcs& boundary)
-      : t_(triangulation), out_(boundary) {}
+  TouchingArcs(const PlacedBalls& balls, BoundaryArcs& boundary) : t_(balls), out_(boundary) {}
 
   std::vector<std::array<std::uint32_t, 2>> run() && {
     list_arcs();
@@ -284,7 +283,7 @@ class TouchingArcs {
     return arc;
   }
 
-  const PowerTriangulation& t_;
+  const PlacedBalls& t_;
   BoundaryArcs& out_;
   SortedRows<ArcOfBall> rows_;            // by ball
   std::span<const ArcOfBall> ball_arcs_;  // of all rows: by ball, then other ball, then arc
@@ -296,9 +295,9 @@ class TouchingArcs {
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(
-    const PowerTriangulation& triangulation, BoundaryArcs& boundary) {
-  return TouchingArcs(triangulation, boundary).run();
+std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(const PlacedBalls& balls,
+                                                             BoundaryArcs& boundary) {
+  return TouchingArcs(balls, boundary).run();
 }
 
 }  // namespace vdwmesh

@@ -17,7 +17,7 @@ namespace vdwmesh {
 // points to its `joins`.
 //
 // Returns pairs of corners that are one point, as indices into `corners`; the caller merges them.
-std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(
-    const PowerTriangulation& triangulation, BoundaryArcs& boundary);
+std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(const PlacedBalls& balls,
+                                                             BoundaryArcs& boundary);
 
 }  // namespace vdwmesh

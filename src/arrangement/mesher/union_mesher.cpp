@@ -73,10 +73,10 @@ class UnionMesher {
       : options_(options),
         device_(device),
         team_(team),
-        t_(arrangement.triangulation),
-        areas_(arrangement.areas),
+        t_(arrangement.balls),
+        areas_(arrangement.boundary.areas),
         boundary_(std::move(boundary)),
-        index_(t_, arrangement.complex, boundary_),
+        index_(t_, arrangement.boundary, boundary_),
         edge_lengths_(scaled_edge_lengths(t_, options)),
         sampling_(boundary_, edge_lengths_),
         pieces_at_first_(count_pieces()),
@@ -461,7 +461,7 @@ class UnionMesher {
   ExactMeshOptions options_;
   PatchDevice* device_;  // or null
   MeshTeam& team_;
-  const PowerTriangulation& t_;
+  const PlacedBalls& t_;
   const std::vector<double>& areas_;  // by ball
   BoundaryArcs boundary_;
   PatchIndex index_;

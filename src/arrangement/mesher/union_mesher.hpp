@@ -2,24 +2,14 @@
 // placed. exact_mesher.cpp calls it, and again with other feature sizes if curves are too close.
 #pragma once
 
-#include <vector>
-
 #include "arrangement/exact_mesher.hpp"
-#include "arrangement/exact_union.hpp"
+#include "arrangement/mesher/arrangement.hpp"
 #include "arrangement/mesher/boundary_arcs.hpp"
 #include "arrangement/mesher/mesh_team.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
 
 namespace vdwmesh {
-
-// The arrangement of a set of balls. It is computed once and serves all attempts to mesh it.
-// Lengths are scaled as in the triangulation.
-struct Arrangement {
-  PowerTriangulation triangulation;
-  DualComplex complex;
-  std::vector<double> areas;  // exposed, per ball of the triangulation
-};
 
 // Thrown if curves of the boundary lie too close to be told apart. Coarser feature sizes may help.
 class CurvesTooClose : public LimitExceeded {

@@ -93,7 +93,7 @@ AtPart at_part(const Arranged& a, const Part& part, const auto& id_of) {
   for (const DualTriangle& f : a.complex.triangles) {
     if (add(f.vertices)) found.simplices.back().push_back(2u * f.exposed[0] + f.exposed[1]);
   }
-  const BoundaryArcs boundary = boundary_arcs(a.t, a.complex);
+  const BoundaryArcs boundary = boundary_arcs(a.t, exposed_boundary(a.t, a.complex));
   for (const BoundaryCorner& c : boundary.corners) {
     if (add(c.balls)) found.corners.push_back({c.position.x, c.position.y, c.position.z});
   }
@@ -110,7 +110,7 @@ class OrderByPlace : public ::testing::TestWithParam<unsigned> {};
 
 // Features that become points may join corners of several parts, so they are left out here.
 bool has_features(const Arranged& a) {
-  const BoundaryArcs boundary = boundary_arcs(a.t, a.complex);
+  const BoundaryArcs boundary = boundary_arcs(a.t, exposed_boundary(a.t, a.complex));
   return boundary.points + boundary.contacts + boundary.joins > 0;
 }
 

@@ -16,10 +16,10 @@ namespace {
 // Of the ball that stands at the origin.
 PatchBoundary boundary_at_origin(const SphereSet& spheres) {
   const PowerTriangulation triangulation = triangulate(spheres);
-  const DualComplex complex = dual_complex(triangulation);
-  const BoundaryArcs arcs = boundary_arcs(triangulation, complex);
+  const ExposedBoundary exposed = exposed_boundary(triangulation, dual_complex(triangulation));
+  const BoundaryArcs arcs = boundary_arcs(triangulation, exposed);
   const ArcSampling sampling(arcs, std::vector<double>(triangulation.balls.size(), 1));
-  const PatchIndex index(triangulation, complex, arcs);
+  const PatchIndex index(triangulation, exposed, arcs);
   std::uint32_t ball = 0;
   while (norm(triangulation.balls[ball].center) > 0) ++ball;
   PatchBoundary boundary;
@@ -123,10 +123,10 @@ TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
   spheres.push_back({{20, 0, 0}, 1.5});
   spheres.push_back({{22, 0, 0}, 1});
   const PowerTriangulation triangulation = triangulate(SphereSet(std::move(spheres)));
-  const DualComplex complex = dual_complex(triangulation);
-  const BoundaryArcs arcs = boundary_arcs(triangulation, complex);
+  const ExposedBoundary exposed = exposed_boundary(triangulation, dual_complex(triangulation));
+  const BoundaryArcs arcs = boundary_arcs(triangulation, exposed);
   ArcSampling sampling(arcs, std::vector<double>(triangulation.balls.size(), 0.1));
-  const PatchIndex index(triangulation, complex, arcs);
+  const PatchIndex index(triangulation, exposed, arcs);
   const auto balls = static_cast<std::uint32_t>(triangulation.balls.size());
   std::vector<PatchBoundary> boundaries(balls);
   for (std::uint32_t b = 0; b < balls; ++b) {

@@ -274,18 +274,18 @@ TEST(PlaneTriangulation, FindsThePiecesAroundAPoint) {
 // The boundaries of all patches of ubiquitin.
 struct Patches {
   PowerTriangulation triangulation;
-  DualComplex complex;
+  ExposedBoundary exposed;
   BoundaryArcs arcs;
   ArcSampling sampling;
   PatchIndex index;
 
   explicit Patches(const SphereSet& spheres)
       : triangulation(triangulate(spheres)),
-        complex(dual_complex(triangulation)),
-        arcs(boundary_arcs(triangulation, complex)),
+        exposed(exposed_boundary(triangulation, dual_complex(triangulation))),
+        arcs(boundary_arcs(triangulation, exposed)),
         sampling(arcs, std::vector<double>(triangulation.balls.size(),
                                            std::ldexp(0.35, -triangulation.scale_exponent))),
-        index(triangulation, complex, arcs) {}
+        index(triangulation, exposed, arcs) {}
 
   void each(const std::function<void(const PatchBoundary&, const Figure&)>& visit) const {
     for (std::uint32_t b = 0; b < triangulation.balls.size(); ++b) {

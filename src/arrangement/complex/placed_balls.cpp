@@ -1,0 +1,101 @@
+// placed_balls(): sorts the spheres along a Hilbert curve and scales them.
+//
+// The spheres are sorted by key, then centre, then radius (larger ones first), then id, so that of
+// concentric spheres the one that stays comes first; the others are removed.
+#include "arrangement/complex/placed_balls.hpp"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/buffer.hpp"
+#include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+
+namespace vdwmesh {
+namespace {
+
+struct Keyed {
+  std::uint64_t key;
+  SphereId id;
+};
+
+// The ids of the balls with distinct centres, in the order of the frame.
+std::vector<SphereId> placed_ids(const SphereSet& spheres, const SpatialFrame& frame) {
+  Buffer<Keyed> keyed(spheres.size());
+  for_each_index(keyed.size(), [&](std::size_t i) {
+    keyed[i] = {frame.key(spheres[i].center), static_cast<SphereId>(i)};
+  });
+  tbb::parallel_sort(keyed.begin(), keyed.end(), [&](const Keyed& i, const Keyed& j) {
+    const Sphere &a = spheres[i.id], &b = spheres[j.id];
+    if (i.key != j.key || a.center != b.center) {
+      return comes_before(i.key, a.center, j.key, b.center);
+    }
+    return a.radius != b.radius ? a.radius > b.radius : i.id < j.id;
+  });
+  const auto last = std::unique(keyed.begin(), keyed.end(), [&](const Keyed& i, const Keyed& j) {
+    return spheres[i.id].center == spheres[j.id].center;
+  });
+  std::vector<SphereId> ids(static_cast<std::size_t>(last - keyed.begin()));
+  std::transform(keyed.begin(), last, ids.begin(), [](const Keyed& k) { return k.id; });
+  return ids;
+}
+
+// The exponent for which 2^-exponent times the largest radius is in [1/2, 1).
+int scale_exponent(const SphereSet& spheres) {
+  double largest = 0;
+  for (const Sphere& s : spheres.spheres()) largest = std::max(largest, s.radius);
+  return std::ilogb(largest) + 1;
+}
+
+Sphere scaled(const Sphere& s, int exponent) {
+  return {{std::ldexp(s.center.x, -exponent), std::ldexp(s.center.y, -exponent),
+           std::ldexp(s.center.z, -exponent)},
+          std::ldexp(s.radius, -exponent)};
+}
+
+}  // namespace
+
+Extent extent_of(const std::vector<Sphere>& balls) {
+  Vec3d lower = balls[0].center, upper = lower;
+  for (const Sphere& b : balls) {
+    for (int k = 0; k < 3; ++k) {
+      lower[k] = std::min(lower[k], b.center[k] - b.radius);
+      upper[k] = std::max(upper[k], b.center[k] + b.radius);
+    }
+  }
+  double reach = 0;
+  for (int k = 0; k < 3; ++k) {
+    constexpr double kLeastRelativeReach = 0x1p-40;
+    reach = std::max({reach, upper[k] - lower[k], kLeastRelativeReach * std::abs(lower[k]),
+                      kLeastRelativeReach * std::abs(upper[k])});
+  }
+  // With room for sums.
+  if (!std::isfinite(64 * reach)) throw InvalidInput("the spheres' extent overflows a double");
+  return {lower, reach};
+}
+
+BallFrame ball_frame(const SphereSet& spheres) {
+  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
+  return {spatial_frame(spheres), scale_exponent(spheres)};
+}
+
+PlacedBalls placed_balls(const SphereSet& spheres) {
+  return placed_balls(spheres, ball_frame(spheres));
+}
+
+PlacedBalls placed_balls(const SphereSet& spheres, const BallFrame& frame) {
+  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
+  PlacedBalls out;
+  out.ids = placed_ids(spheres, frame.order);
+  out.scale_exponent = frame.scale_exponent;
+  out.balls.resize(out.ids.size());
+  for_each_index(out.ids.size(), [&](std::size_t i) {
+    out.balls[i] = scaled(spheres[out.ids[i]], out.scale_exponent);
+  });
+  extent_of(out.balls);  // throws
+  return out;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,50 @@
+// The balls of an arrangement, in an order that follows from their places.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "spheres/spatial_frame.hpp"
+#include "spheres/sphere_set.hpp"
+
+namespace vdwmesh {
+
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;  // in place of an index: there is none
+
+// The balls of a SphereSet with distinct centres: of concentric balls only the largest, of equal
+// balls only the one with the lowest id.
+//
+// They stand in the order of a SpatialFrame, in which balls near in space are near. It numbers the
+// balls, and with them the arcs, corners and vertices of crease-exact meshes.
+struct PlacedBalls {
+  // All lengths are multiplied by 2^-scale_exponent, so that the largest radius is in [1/2, 1).
+  std::vector<Sphere> balls;
+  std::vector<SphereId> ids;  // for each ball its id in the SphereSet
+  int scale_exponent = 0;
+};
+
+// What the balls of a set have in common: their order and their scale.
+struct BallFrame {
+  SpatialFrame order;
+  int scale_exponent = 0;
+};
+
+// Throws InvalidInput for an empty set.
+BallFrame ball_frame(const SphereSet& spheres);
+
+// The result depends on the spheres alone, and not on their order, except for their ids. With the
+// frame of a larger set, the balls have the order and the scale that they have there.
+// Throws InvalidInput for an empty set or if the extent of the spheres overflows a double.
+PlacedBalls placed_balls(const SphereSet& spheres);
+PlacedBalls placed_balls(const SphereSet& spheres, const BallFrame& frame);
+
+// The lower corner of the box around all balls, and a length that no side of the box exceeds. It is
+// at least 2^-40 of every coordinate, so that adding it to them survives rounding. Throws
+// InvalidInput if coordinates of up to 32 times this length would not be finite.
+struct Extent {
+  Vec3d lower;
+  double reach;
+};
+Extent extent_of(const std::vector<Sphere>& balls);
+
+}  // namespace vdwmesh

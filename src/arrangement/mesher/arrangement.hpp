@@ -1,0 +1,37 @@
+// The arrangement of a set of balls, as far as the crease-exact mesher needs it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "arrangement/complex/exposed_boundary.hpp"
+#include "core/monitor.hpp"
+
+namespace vdwmesh {
+
+// The triangulation of all balls and its dual complex.
+struct WholeComplex {
+  PowerTriangulation triangulation;
+  DualComplex complex;
+};
+
+// It is computed once and serves all attempts to mesh it. Lengths are scaled as in PlacedBalls.
+struct Arrangement {
+  PlacedBalls balls;
+  ExposedBoundary boundary;
+  // If it was needed to decide the boundary.
+  std::optional<WholeComplex> whole;
+  // Balls of which double precision did not decide the power cell, so a triangulation did.
+  std::uint64_t triangulated = 0;
+};
+
+// Arranges the balls by the power cell of each (arcs/boundary_rows.hpp). Of balls that this leaves
+// in doubt, a triangulation of the balls around them decides, which is exact. So the boundary is
+// that of the dual complex, exposed_boundary(), but for the last bits of the areas. Throws
+// InvalidInput and Cancelled, and LimitExceeded as triangulate() does.
+Arrangement arrange(const SphereSet& spheres, Monitor* monitor = nullptr);
+
+// Triangulates all balls of an arrangement.
+WholeComplex whole_complex(const PlacedBalls& balls, Monitor* monitor = nullptr);
+
+}  // namespace vdwmesh
