@@ -186,7 +186,8 @@ std::optional<double> relative_error(const std::optional<double>& value, double 
 std::string name_of_atom(const Molecule& molecule, SphereId id) {
   const Atom& atom = molecule.atoms[id];
   if (atom.name.empty()) return fmt::format("atom {}", id + 1);
-  return fmt::format("{}/{} {} {}", atom.chain, atom.residue_number, atom.residue_name, atom.name);
+  return fmt::format("{}/{} {} {}", atom.chain.view(), atom.residue_number.view(),
+                     atom.residue_name.view(), atom.name.view());
 }
 
 std::optional<AtomErrors> atom_errors(const IndexedMesh& mesh, const Molecule& molecule,

@@ -100,7 +100,7 @@ void print_place(std::string& csv, const Row& row, double probe) {
   csv += fmt::format("{},{},{},{},", model, csv_field(chain), csv_field(residue_number),
                      csv_field(residue_name));
   if (row.atom) {
-    csv += fmt::format("{},{},{},{},{}", csv_field(row.atom->name), row.atom->element,
+    csv += fmt::format("{},{},{},{},{}", csv_field(row.atom->name), row.atom->element.view(),
                        row.atom->serial, row.atoms, row.atom->radius + probe);
   } else {
     csv += fmt::format(",,,{},", row.atoms);

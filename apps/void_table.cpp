@@ -11,7 +11,7 @@ namespace {
 std::string name_of_atom(const Molecule& molecule, SphereId id) {
   const Atom& atom = molecule.atoms[id];
   if (atom.name.empty()) return fmt::format("{}", id + 1);
-  return fmt::format("{}/{}/{}", atom.chain, atom.residue_number, atom.name);
+  return fmt::format("{}/{}/{}", atom.chain.view(), atom.residue_number.view(), atom.name.view());
 }
 
 }  // namespace

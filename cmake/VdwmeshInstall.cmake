@@ -4,7 +4,7 @@
 set(vdwmesh_rooms core spheres surface structure extract refine arrangement excluded batch mesh analysis render thesis
     cuda cuda_gl)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
-set(structure_headers molecule polarity radii reader reference_areas)
+set(structure_headers molecule polarity radii reader reference_areas short_text)
 set(spheres_headers cell_list_frame sphere_batch sphere_set)
 set(surface_headers indexed_mesh surface_patch vertex_labels)
 set(extract_headers batch_extractor extractor field grid sampled_field)

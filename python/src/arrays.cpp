@@ -47,12 +47,12 @@ py::buffer_info exported(const Array& array) {
 
 }  // namespace
 
-Array array_of_text(const std::vector<const std::string*>& texts) {
+Array array_of_text(const std::vector<std::string_view>& texts) {
   std::size_t width = 1;  // NumPy has no strings of no width
-  for (const std::string* text : texts) width = std::max(width, text->size());
+  for (const std::string_view text : texts) width = std::max(width, text.size());
   auto letters = std::make_shared<std::vector<char32_t>>(width * texts.size());
   for (std::size_t i = 0; i < texts.size(); ++i) {
-    std::ranges::transform(*texts[i], letters->begin() + static_cast<std::ptrdiff_t>(i * width),
+    std::ranges::transform(texts[i], letters->begin() + static_cast<std::ptrdiff_t>(i * width),
                            [](char c) { return static_cast<unsigned char>(c); });
   }
   const auto item = static_cast<py::ssize_t>(width * sizeof(char32_t));

@@ -34,10 +34,10 @@ StructureFormat format_of(const std::string& name) {
 
 Inclusion inclusion_of(bool kept) { return kept ? Inclusion::keep : Inclusion::drop; }
 
-Array column(const Molecule& molecule, std::string Atom::*member) {
-  std::vector<const std::string*> texts;
+Array column(const Molecule& molecule, ShortText Atom::*member) {
+  std::vector<std::string_view> texts;
   texts.reserve(molecule.atoms.size());
-  for (const Atom& atom : molecule.atoms) texts.push_back(&(atom.*member));
+  for (const Atom& atom : molecule.atoms) texts.push_back(atom.*member);
   return array_of_text(texts);
 }
 

@@ -13,8 +13,8 @@ namespace vdwmesh {
 namespace {
 
 std::string label_of(const Atom& atom) {
-  return fmt::format("{} {} {} {} (serial {})", atom.chain, atom.residue_name, atom.residue_number,
-                     atom.name, atom.serial);
+  return fmt::format("{} {} {} {} (serial {})", atom.chain.view(), atom.residue_name.view(),
+                     atom.residue_number.view(), atom.name.view(), atom.serial);
 }
 
 }  // namespace

@@ -172,7 +172,7 @@ class PositionChoice {
       for (std::size_t i = 0; i < decisions_.size(); ++i) {
         if (decisions_[i] != Decision::other_label || site(i).atom->altloc != label) continue;
         if (chosen_ && site(i).place->residue != chosen_) continue;
-        const std::pair name(site(i).place->residue, site(i).atom->name);
+        const std::pair name(site(i).place->residue, site(i).atom->name.view());
         if (before.count(name) != 0) continue;
         decisions_[i] = Decision::stays;
         held.insert(name);

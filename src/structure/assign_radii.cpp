@@ -20,7 +20,7 @@ namespace {
 std::string name_of(const Site& site) {
   const AtomRecord& record = *site.atom;
   std::string chain = site.place->chain->name.empty() ? "" : " of chain " + site.place->chain->name;
-  return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name,
+  return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name.view(),
                      site.place->residue->name, site.place->residue->seqid.str(), chain,
                      record.serial, record.line == 0 ? "number" : "line", record.line);
 }
@@ -34,12 +34,12 @@ std::string name_of(const Site& site) {
                     "several atoms and "
                     "has no element; give --radii FILE with a line 'X RADIUS' for all beads, or "
                     "'{} {} RADIUS'",
-                    file.path, name, site.place->residue->name, site.atom->name));
+                    file.path, name, site.place->residue->name, site.atom->name.view()));
   if (site.atom->element == gemmi::El::X)
     throw InvalidInput(
         fmt::format("{}: the element of {} cannot be told; give --radii FILE with "
                     "a line '{} {} RADIUS'",
-                    file.path, name, site.place->residue->name, site.atom->name));
+                    file.path, name, site.place->residue->name, site.atom->name.view()));
   throw InvalidInput(
       fmt::format("{}: the radius set {} has no radius for element {} of {}; give "
                   "--radii FILE with a line '{} RADIUS'",
@@ -56,7 +56,7 @@ class Account {
     if (entry.renamed) ++renamed_[site.place->residue->name];
     if (!entry.assumed) return;
     const std::string residue = by_atom_ ? site.place->residue->name : "",
-                      atom(by_atom_ ? site.atom->name : std::string_view()),
+                      atom(by_atom_ ? site.atom->name.view() : std::string_view()),
                       element = gemmi::element_name(site.atom->element);
     const AssumedRadius first{element, entry.radius, 0, residue, atom};
     ++assumed_.try_emplace({residue, atom, element}, first).first->second.count;

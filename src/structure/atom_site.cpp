@@ -52,14 +52,18 @@ bool same_letters(std::string_view a, std::string_view b) {
                     [](char x, char y) { return lower_case(x) == lower_case(y); });
 }
 
-// Throws, and names the coordinate that is at fault.
-[[noreturn]] void refuse_position(const AtomSiteRow& row, const AtomRecord& record,
+bool is_finite(const Vec3d& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+// Throws, and names the coordinate that is at fault. `number` of the row, from 1.
+[[noreturn]] void refuse_position(const AtomSiteRow& row, std::size_t number,
                                   const std::string& path) {
   std::size_t axis = 0;
   while (axis < 2 && std::isfinite(row.position[static_cast<int>(axis)])) ++axis;
-  refuse(path,
-         fmt::format("row {} of _atom_site (id {}): Cartn_{} is {}, not a finite number",
-                     record.line, record.serial, "xyz"[axis], in_quotes(row.position_texts[axis])));
+  refuse(path, fmt::format("row {} of _atom_site (id {}): Cartn_{} is {}, not a finite number",
+                           number, row.id.value_or(static_cast<std::int64_t>(number)), "xyz"[axis],
+                           in_quotes(row.position_texts[axis])));
 }
 
 // Texts of BinaryCIF are the same bytes in all rows with this text.
@@ -155,33 +159,40 @@ void AtomSiteBuilder::open_residue(const AtomSiteRow& row) {
   if (kind == 'A' || kind == 'H') residue_->het_flag = kind;
 }
 
-// gemmi knows no element for a symbol with a charge ("O2-"). If the file gives no symbol, the names
-// of atom and residue decide.
+// If the file gives no symbol, the names of atom and residue decide.
 void AtomSiteBuilder::set_element(const AtomSiteRow& row, AtomRecord& record) {
-  record.element = element_of(row.symbol);
-  if (record.element != gemmi::El::X) return;
-  record.element_guessed = row.symbol.empty();
-  if (row.symbol.empty() && is_martini_bead(row.atom, row.residue)) file_.coarse_grained = true;
-  record.element = element_of(row.symbol.empty() ? element_of_bare_name(row.atom, row.residue)
-                                                 : element_of_symbol(row.symbol));
+  record.element = row.element != gemmi::El::X ? row.element : symbol_element(row.symbol);
+  if (!row.symbol.empty()) return;
+  record.element_guessed = true;
+  if (is_martini_bead(row.atom, row.residue)) file_.coarse_grained = true;
+  record.element = element_of(element_of_bare_name(row.atom, row.residue));
 }
 
 void AtomSiteBuilder::add(const AtomSiteRow& row) {
-  AtomRecord& record = file_.atoms.emplace_back();
-  record.line = static_cast<std::uint32_t>(file_.atoms.size());
-  record.serial = row.id.value_or(record.line);
-  record.hetero = !row.group.empty() && upper_case(row.group.front()) == 'H';
-  record.position = row.position;
-  const Vec3d& p = record.position;
-  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-    refuse_position(row, record, file_.path);
+  if (!is_finite(row.position)) refuse_position(row, file_.atoms.size() + 1, file_.path);
   if (!model_ || !same_text(last_.model, row.model)) open_model(row);
   if (!chain_ || !same_text(last_.chain, row.chain)) open_chain(row);
   if (!residue_ || last_.sequence != row.sequence || !same_text(last_.residue, row.residue))
     open_residue(row);
   last_ = {row.model, row.chain, row.residue, row.sequence};
-  record.residue =
+  number_ =
       chains_.back().first_residue + static_cast<std::uint32_t>(residue_ - chain_->residues.data());
+  hetero_ = !row.group.empty() && upper_case(row.group.front()) == 'H';
+  append(row);
+}
+
+void AtomSiteBuilder::add_to_residue(const AtomSiteRow& row) {
+  if (!is_finite(row.position)) refuse_position(row, file_.atoms.size() + 1, file_.path);
+  append(row);
+}
+
+void AtomSiteBuilder::append(const AtomSiteRow& row) {
+  AtomRecord& record = file_.atoms.emplace_back();
+  record.line = static_cast<std::uint32_t>(file_.atoms.size());
+  record.serial = row.id.value_or(record.line);
+  record.hetero = hetero_;
+  record.position = row.position;
+  record.residue = number_;
   record.name = row.atom;
   record.altloc = row.altloc;
   record.occupancy = row.occupancy;
@@ -217,6 +228,13 @@ void AtomSiteBuilder::finish(gemmi::cif::Block& rest) {
   structure.models = std::move(models_);
   if (!rest.has_tag("_struct_asym.id")) list_subchains(structure);
   gemmi::impl::fill_residue_entity_type(structure);
+}
+
+// gemmi knows no element for a symbol with a charge ("O2-").
+gemmi::El symbol_element(std::string_view symbol) {
+  const gemmi::El element = element_of(symbol);
+  if (element != gemmi::El::X || symbol.empty()) return element;
+  return element_of(element_of_symbol(symbol));
 }
 
 bool is_needed_table(std::string_view prefix) {

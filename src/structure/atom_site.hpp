@@ -11,7 +11,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "structure/parsed_file.hpp"
 
@@ -66,15 +65,20 @@ struct AtomSiteLayout {
 // lacks coordinates, chains, residue numbers, or the names of residues or atoms.
 AtomSiteLayout completed_layout(AtomSiteLayout layout, const std::string& path);
 
+// What rows have whose values are not given.
+inline constexpr float kOccupancy = 1, kIsotropicFactor = 50;  // the latter in Å²
+
 // One row. Texts are without quotes, and empty for a value that is not given; they must last as
-// long as the ParsedFile. Chain, residue and atom are named as the author named them.
+// long as the AtomSiteBuilder. Chain, residue and atom are named as the author named them.
 struct AtomSiteRow {
-  std::string_view group, symbol, atom, residue, chain, subchain, entity, model;
-  std::optional<std::int64_t> id;  // nothing: not given, or no integer
-  char altloc = '\0';              // '\0': none
-  gemmi::SeqId sequence;           // the residue's number and insertion code
-  Vec3d position{};                // Å; NaN where the value is no number
-  float occupancy = 1, b_iso = 50;
+  std::string_view group, symbol, residue, chain, subchain, entity, model;
+  ShortText atom;
+  gemmi::El element = gemmi::El::X;  // by symbol_element(), where it was asked for; X: look again
+  std::optional<std::int64_t> id;    // nothing: not given, or no integer
+  char altloc = '\0';                // '\0': none
+  gemmi::SeqId sequence;             // the residue's number and insertion code
+  Vec3d position{};                  // Å; NaN where the value is no number
+  float occupancy = kOccupancy, b_iso = kIsotropicFactor;
   std::array<std::string_view, 3> position_texts;  // as they stand in the file, for messages
 };
 
@@ -88,6 +92,8 @@ class AtomSiteBuilder {
 
   // Adds one row. Throws FileFormatError if its position is not finite.
   void add(const AtomSiteRow& row);
+  // The same for a row with model, chain, residue, sequence and group of the row before.
+  void add_to_residue(const AtomSiteRow& row);
 
   // Call once, after the last row: completes file.structure and file.assemblies by the tables in
   // `rest`, of which only those that is_needed_table() names are used. Throws FileFormatError if
@@ -107,6 +113,7 @@ class AtomSiteBuilder {
   void open_model(const AtomSiteRow& row);
   void open_chain(const AtomSiteRow& row);
   void open_residue(const AtomSiteRow& row);
+  void append(const AtomSiteRow& row);
   void set_element(const AtomSiteRow& row, AtomRecord& record);
   void number_residues();
 
@@ -118,8 +125,13 @@ class AtomSiteBuilder {
   gemmi::Model* model_ = nullptr;  // of the last row, as chain_ and residue_
   gemmi::Chain* chain_ = nullptr;
   gemmi::Residue* residue_ = nullptr;
-  int largest_number_ = 0;  // of the residues in chain_
+  std::uint32_t number_ = 0;  // of residue_
+  bool hetero_ = false;       // of the last row
+  int largest_number_ = 0;    // of the residues in chain_
 };
+
+// The element of a symbol; X if the symbol is empty or of no element.
+gemmi::El symbol_element(std::string_view symbol);
 
 // Whether finish() needs the table whose tags begin with `prefix`, as "_entity.".
 bool is_needed_table(std::string_view prefix);

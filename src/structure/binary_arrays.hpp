@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -42,10 +43,25 @@ class BinaryColumn {
   double number(std::size_t row) const;
 };
 
-// The column of `rows` values that `column` describes: a map with the keys data and mask. Throws
-// FileFormatError, with `where` (file, table and column) before the fault, if anything in it does
-// not fit together. Takes memory in proportion to `rows` and the bytes of the column, whatever
-// sizes the column announces.
-BinaryColumn decode_column(const PackedValue& column, std::size_t rows, const std::string& where);
+// A column that is decoded some rows at a time.
+class ColumnStream {
+ public:
+  // The column of `rows` values that `column` describes: a map with the keys data and mask. Throws
+  // FileFormatError, with `where` (file, table and column) before the fault, if anything in it does
+  // not fit together, now or when the values are reached. Takes memory in proportion to the bytes
+  // of the column, whatever sizes the column announces.
+  ColumnStream(const PackedValue& column, std::size_t rows, const std::string& where);
+  ~ColumnStream();
+  ColumnStream(ColumnStream&&) noexcept;
+
+  // Decodes the next `count` rows into `block`, which holds the rows before or is new.
+  void take(std::size_t count, BinaryColumn& block);
+  // Call once, when all rows have been taken: throws if the column has more.
+  void finish();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace vdwmesh

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <gemmi/cifdoc.hpp>
 #include <optional>
 #include <utility>
@@ -32,6 +33,9 @@ constexpr std::uint64_t kMostRowsPerByte = 16;
 // A row of mmCIF has at least so many bytes. Tables with more rows than the limit on text has room
 // for are refused, so the same limit on memory holds for both formats.
 constexpr std::uint64_t kLeastBytesOfRow = 40;
+
+// Rows of _atom_site that are decoded at a time: few enough to stay in the processor's cache.
+constexpr std::size_t kRowsAtOnce = 1024;
 
 // A table of the file, in which columns are looked up by name.
 struct Category {
@@ -123,10 +127,10 @@ class Reader {
         file_.path, in_quotes(category.name), category.rows, most_rows_));
   }
 
-  BinaryColumn decode(const Category& category, std::size_t column) const {
+  ColumnStream opened(const Category& category, std::size_t column) const {
     const auto& [name, value] = category.columns[column];
     const std::string tag = fmt::format("{}.{}", category.name, name);
-    return decode_column(value, category.rows, fmt::format("{}: {}", file_.path, in_quotes(tag)));
+    return {value, category.rows, fmt::format("{}: {}", file_.path, in_quotes(tag))};
   }
 
   // Adds the table to the block as a loop of CIF values.
@@ -139,7 +143,10 @@ class Reader {
     loop.values.resize(category.rows * width);
     for (std::size_t i = 0; i < width; ++i) {
       loop.tags.push_back(fmt::format("{}.{}", category.name, category.columns[i].first));
-      const BinaryColumn column = decode(category, i);
+      ColumnStream stream = opened(category, i);
+      BinaryColumn column;
+      stream.take(category.rows, column);
+      stream.finish();
       std::string scratch;
       for (std::size_t row = 0; row < category.rows; ++row)
         loop.values[row * width + i] =
@@ -157,9 +164,74 @@ class Reader {
                            in_quotes(category.columns[i].first)));
         layout[*column] = static_cast<int>(i);
       }
-    decode_columns(category, completed_layout(layout, file_.path));
+    open_columns(category, completed_layout(layout, file_.path));
     builder.reserve(category.rows);
-    for (std::size_t row = 0; row < category.rows; ++row) builder.add(read(row));
+    AtomSiteRow row;
+    for (std::size_t first = 0; first < category.rows; first += kRowsAtOnce)
+      add_block(first, std::min(kRowsAtOnce, category.rows - first), row, builder);
+    for (OpenColumn& open : open_) open.stream.finish();
+  }
+
+  // `row` is the one before, whose place rows of the same residue keep.
+  void add_block(std::size_t first, std::size_t rows, AtomSiteRow& row, AtomSiteBuilder& builder) {
+    take_block(rows);
+    first_row_ = first;
+    const Flags begins = rows_that_begin(rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (begins[i] != 0) read_place(i, row);
+      read_atom(i, row);
+      if (begins[i] != 0)
+        builder.add(row);
+      else
+        builder.add_to_residue(row);
+    }
+  }
+
+  using Flags = Buffer<std::uint8_t>;
+
+  // Marks the rows of the block that differ from the row before in what read_place() reads, and its
+  // first row. In columns of texts
+  // it is enough to compare their numbers, and few rows are marked: most have the residue of the
+  // row before. The columns of subchains and entities need no look, for which the first row of a
+  // residue decides.
+  Flags rows_that_begin(std::size_t rows) const {
+    Flags begins(rows, 0);
+    begins.front() = 1;
+    for (const Column of :
+         {Column::group_PDB, Column::label_alt_id, Column::auth_comp_id, Column::auth_asym_id,
+          Column::auth_seq_id, Column::pdbx_PDB_ins_code, Column::pdbx_PDB_model_num}) {
+      if (!column(of)) continue;
+      const TextArray* const texts = texts_[static_cast<std::size_t>(of)];
+      const Integers* const numbers =
+          texts ? &texts->indices : std::get_if<Integers>(&column(of)->values);
+      if (numbers)
+        mark_changes(*numbers, begins);
+      else
+        std::fill(begins.begin(), begins.end(), std::uint8_t{1});
+      mark_changes(column(of)->mask, begins);
+    }
+    return begins;
+  }
+
+  static void mark_changes(const Integers& numbers, Flags& begins) {
+    for (std::size_t i = 1; i < numbers.size(); ++i) begins[i] |= numbers[i] != numbers[i - 1];
+  }
+
+  // The names of atoms, and the elements of symbols, by the numbers of their texts.
+  void list_names() {
+    const auto texts_of = [this](Column of) {
+      const TextArray* const array = texts_[static_cast<std::size_t>(of)];
+      return array ? array->texts : std::vector<std::string_view>();
+    };
+    for (const std::string_view name : texts_of(Column::auth_atom_id)) names_.emplace_back(name);
+    for (const std::string_view symbol : texts_of(Column::type_symbol))
+      elements_.push_back(symbol_element(symbol));
+  }
+
+  // The number of a row's text; -1 if it has none or the column has no texts.
+  std::int32_t text_number(Column of, std::size_t row) const {
+    const TextArray* const array = texts_[static_cast<std::size_t>(of)];
+    return array ? array->indices[row] : -1;
   }
 
   // Whether read() asks for the column. These three only stand in for the author's columns.
@@ -168,20 +240,40 @@ class Reader {
            column != Column::label_seq_id;
   }
 
-  void decode_columns(const Category& category, const AtomSiteLayout& layout) {
-    decoded_.resize(category.columns.size());
+  // A column of the table, of which `block` holds the rows that are read now.
+  struct OpenColumn {
+    ColumnStream stream;
+    BinaryColumn block;
+  };
+
+  void open_columns(const Category& category, const AtomSiteLayout& layout) {
+    // The place in open_ of each column of the table, because a column may stand in for another.
+    std::vector<std::size_t> places(category.columns.size(), kAtomSiteColumns);
+    open_.reserve(kAtomSiteColumns);
     for (std::size_t i = 0; i < kAtomSiteColumns; ++i) {
       const int index = layout.indices[i];
       if (index < 0 || !is_read(static_cast<Column>(i))) continue;
-      BinaryColumn& column = decoded_[static_cast<std::size_t>(index)];
-      if (column.size() != category.rows)
-        column = decode(category, static_cast<std::size_t>(index));
-      columns_[i] = &column;
-      texts_[i] = std::get_if<TextArray>(&column.values);
-      if (texts_[i]) leave_masked(column);
-      const Reals* const reals = std::get_if<Reals>(&column.values);
-      reals_[i] = reals && column.mask.empty() ? reals->data() : nullptr;
+      std::size_t& place = places[static_cast<std::size_t>(index)];
+      if (place == kAtomSiteColumns) {
+        place = open_.size();
+        open_.push_back({opened(category, static_cast<std::size_t>(index)), {}});
+      }
+      columns_[i] = &open_[place].block;
     }
+  }
+
+  void take_block(std::size_t rows) {
+    for (OpenColumn& open : open_) {
+      open.stream.take(rows, open.block);
+      if (std::holds_alternative<TextArray>(open.block.values)) leave_masked(open.block);
+    }
+    for (std::size_t i = 0; i < kAtomSiteColumns; ++i) {
+      if (!columns_[i]) continue;
+      texts_[i] = std::get_if<TextArray>(&columns_[i]->values);
+      const Reals* const reals = std::get_if<Reals>(&columns_[i]->values);
+      reals_[i] = reals && columns_[i]->mask.empty() ? reals->data() : nullptr;
+    }
+    if (names_.empty() && elements_.empty()) list_names();
   }
 
   // Lets the rows whose value is not given have no text, so that nobody asks the mask again.
@@ -212,9 +304,9 @@ class Reader {
     }
     return last.text;
   }
-  // The text in memory that lasts as long as the file.
+  // The text in memory that lasts as long as the reader.
   std::string_view kept(std::string_view text) {
-    return text.empty() ? text : file_.texts.emplace_back(text);
+    return text.empty() ? text : kept_.emplace_back(text);
   }
   double number(Column of, std::size_t row) const {
     const double* const reals = reals_[static_cast<std::size_t>(of)];
@@ -225,24 +317,30 @@ class Reader {
     return std::isnan(found) ? otherwise : static_cast<float>(found);
   }
 
-  AtomSiteRow read(std::size_t index) {
-    AtomSiteRow row;
+  // What rows of a residue have in common.
+  void read_place(std::size_t index, AtomSiteRow& row) {
     row.group = text(Column::group_PDB, index);
-    row.symbol = text(Column::type_symbol, index);
-    row.atom = text(Column::auth_atom_id, index);
     row.residue = text(Column::auth_comp_id, index);
     row.chain = text(Column::auth_asym_id, index);
     row.subchain = text(Column::label_asym_id, index);
     row.entity = text(Column::label_entity_id, index);
     row.model = column(Column::pdbx_PDB_model_num) ? text(Column::pdbx_PDB_model_num, index) : "1";
-    row.id = id(index);
-    row.altloc = altloc_of(text(Column::label_alt_id, index), index + 1, file_.path);
+    row.altloc = altloc_of(text(Column::label_alt_id, index), first_row_ + index + 1, file_.path);
     row.sequence = sequence(index);
+  }
+
+  void read_atom(std::size_t index, AtomSiteRow& row) {
+    const std::int32_t symbol = text_number(Column::type_symbol, index);
+    row.symbol = text(Column::type_symbol, index);
+    row.element = symbol < 0 ? gemmi::El::X : elements_[static_cast<std::size_t>(symbol)];
+    const std::int32_t name = text_number(Column::auth_atom_id, index);
+    row.atom = name < 0 ? ShortText(text(Column::auth_atom_id, index))
+                        : names_[static_cast<std::size_t>(name)];
+    row.id = id(index);
     row.position = {number(Column::Cartn_x, index), number(Column::Cartn_y, index),
                     number(Column::Cartn_z, index)};
-    row.occupancy = number_or(Column::occupancy, index, row.occupancy);
-    row.b_iso = number_or(Column::B_iso_or_equiv, index, row.b_iso);
-    return row;
+    row.occupancy = number_or(Column::occupancy, index, kOccupancy);
+    row.b_iso = number_or(Column::B_iso_or_equiv, index, kIsotropicFactor);
   }
 
   // The integer of a row in a column of integers; nothing in any other column.
@@ -261,8 +359,9 @@ class Reader {
   gemmi::SeqId sequence(std::size_t row) {
     const std::string_view code = text(Column::pdbx_PDB_ins_code, row);
     const std::optional<std::int32_t> number = integer(Column::auth_seq_id, row);
-    if (!number) return sequence_id(text(Column::auth_seq_id, row), code, row + 1, file_.path);
-    gemmi::SeqId id = sequence_id({}, code, row + 1, file_.path);
+    if (!number)
+      return sequence_id(text(Column::auth_seq_id, row), code, first_row_ + row + 1, file_.path);
+    gemmi::SeqId id = sequence_id({}, code, first_row_ + row + 1, file_.path);
     id.num = *number;
     return id;
   }
@@ -270,7 +369,9 @@ class Reader {
   ParsedFile& file_;
   std::vector<PackedNode> nodes_;
   std::uint64_t most_rows_;
-  std::vector<BinaryColumn> decoded_;                            // by index in the table
+  std::vector<OpenColumn> open_;
+  std::size_t first_row_ = 0;  // of the block, in the table
+  // Of the block, in which rows count from 0:
   std::array<const BinaryColumn*, kAtomSiteColumns> columns_{};  // nullptr: not there
   std::array<const TextArray*, kAtomSiteColumns> texts_{};       // of those that hold texts
   std::array<const double*, kAtomSiteColumns> reals_{};  // of those that hold reals, all given
@@ -279,6 +380,9 @@ class Reader {
     std::string_view text;
   };
   std::array<LastText, kAtomSiteColumns> last_;
+  std::deque<std::string> kept_;
+  std::vector<ShortText> names_;     // by the number of the text, as elements_
+  std::vector<gemmi::El> elements_;  // X: of no element
 };
 
 }  // namespace

@@ -69,6 +69,16 @@ bool is_water(const gemmi::Residue& residue, std::span<const Site> sites) {
 
 constexpr double kMostAtoms = 4294967294;  // 2^32 - 2, the most spheres that a SphereSet holds
 
+using ElementSymbols = std::array<ShortText, static_cast<std::size_t>(gemmi::El::END)>;
+
+// The symbols of all elements.
+ElementSymbols element_symbols() {
+  ElementSymbols symbols;
+  for (std::size_t i = 0; i < symbols.size(); ++i)
+    symbols[i] = gemmi::element_name(static_cast<gemmi::El>(i));
+  return symbols;
+}
+
 // The model's name as a number; 0 if the name is no integer of 32 bits.
 std::int32_t model_number(const gemmi::Model& model) {
   const std::int64_t number = whole_number(model.name).value_or(0);
@@ -293,7 +303,7 @@ class Choice {
       ++molecule_.elements_guessed;
       const char* const symbol = gemmi::element_name(element);
       if (!listed(kOrganicElements, std::string_view(symbol)))
-        ++unusual[{symbol, site.place->residue->name, std::string(site.atom->name)}];
+        ++unusual[{symbol, site.place->residue->name, site.atom->name.str()}];
     }
     for (const auto& [key, count] : unusual)
       molecule_.unusual_elements_guessed.push_back(
@@ -321,17 +331,21 @@ class Choice {
   // Appends the atom of the site to the molecule, and returns it for changes.
   Atom& take(const Site& site) {
     const AtomRecord& from = *site.atom;
-    const gemmi::Residue& residue = *site.place->residue;
-    if (site.place != place_) {
-      residue_number_ = residue.seqid.num ? residue.seqid.str() : std::string();
-      if (!place_ || site.place->model != place_->model)
-        model_number_ = model_number(*site.place->model);
-      place_ = site.place;
-    }
+    if (site.place != place_) enter(*site.place);
     return molecule_.atoms.emplace_back(
-        from.position, site.radius, gemmi::element_name(from.element), std::string(from.name),
-        residue.name, site.place->chain->name, residue_number_, from.serial, model_number_,
-        from.hetero, site.measured, site.group, site.polarity);
+        from.position, site.radius, symbols_[static_cast<std::size_t>(from.element)], from.name,
+        residue_name_, chain_, residue_number_, from.serial, model_number_, from.hetero,
+        site.measured, site.group, site.polarity);
+  }
+
+  // Makes the texts that the atoms of a residue share.
+  void enter(const ResiduePlace& place) {
+    const gemmi::Residue& residue = *place.residue;
+    residue_name_ = residue.name;
+    residue_number_ = residue.seqid.num ? residue.seqid.str() : std::string();
+    if (!place_ || place.chain != place_->chain) chain_ = place.chain->name;
+    if (!place_ || place.model != place_->model) model_number_ = model_number(*place.model);
+    place_ = &place;
   }
 
   void take_asymmetric() {
@@ -436,7 +450,7 @@ class Choice {
       for_each_combination(product, [&](const OperatorFactor& combination) {
         const AffineMap map = map_of(file_.assemblies, combination);
         const gemmi::Chain* chain = nullptr;
-        std::string name;
+        ShortText name;
         // The name is looked up once for each run of atoms of one chain; `chain` is the last one.
         for (const Site* site : held) {
           if (site->place->chain != chain)
@@ -470,9 +484,10 @@ class Choice {
   const std::vector<ResiduePlace> places_;  // of the residues of all models
   Sites sites_;
   Molecule molecule_;
-  const ResiduePlace* place_ = nullptr;  // of the atom appended last
-  std::int32_t model_number_ = 0;        // of its model, read once for each model
-  std::string residue_number_;           // as text, formatted once for each residue
+  const ElementSymbols symbols_ = element_symbols();
+  const ResiduePlace* place_ = nullptr;  // of the atom appended last, as the texts below
+  std::int32_t model_number_ = 0;
+  ShortText residue_name_, chain_, residue_number_;
 };
 
 }  // namespace

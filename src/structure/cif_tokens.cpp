@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
+#include "structure/lines.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -28,35 +28,6 @@ bool begins_with(std::string_view word, std::string_view start) {  // `start` in
 bool is_reserved(std::string_view word) {
   return (word.size() == 5 && begins_with(word, "stop_")) ||
          (word.size() == 7 && begins_with(word, "global_"));
-}
-
-// The value of a decimal number of at most 15 digits, such as "-12.345", or nothing for any other
-// text. Its digits are an integer below 2^53 and the power of ten is below 10^22, so doubles hold
-// both exactly, and their quotient is rounded once, as from_chars() rounds the number (Clinger,
-// "How to read floating point numbers accurately", 1990).
-std::optional<double> short_decimal(std::string_view value) {
-  constexpr std::size_t kMostDigits = 15;
-  static constexpr std::array<double, kMostDigits + 1> kPowers{
-      1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-  const bool is_negative = value.starts_with('-');
-  if (is_negative) value.remove_prefix(1);
-  if (value.size() > kMostDigits + 1) return std::nullopt;
-  std::int64_t number = 0;
-  std::size_t digits = 0, point = value.size();
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    if (is_digit(value[i])) {
-      number = 10 * number + (value[i] - '0');
-      ++digits;
-    } else if (value[i] == '.' && point == value.size()) {
-      point = i;
-    } else {
-      return std::nullopt;
-    }
-  }
-  if (digits == 0 || digits > kMostDigits) return std::nullopt;
-  const std::size_t decimals = point == value.size() ? 0 : value.size() - point - 1;
-  const double magnitude = static_cast<double>(number) / kPowers[decimals];
-  return is_negative ? -magnitude : magnitude;
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ void take_gemmi_atoms(ParsedFile& file) {
 }
 
 void copy_to_gemmi(const AtomRecord& record, gemmi::Atom& atom) {
-  atom.name = record.name;
+  atom.name = record.name.str();
   atom.element = record.element;
   atom.altloc = record.altloc;
   atom.occ = record.occupancy;

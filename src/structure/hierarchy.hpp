@@ -20,7 +20,7 @@ namespace vdwmesh {
 std::vector<ResiduePlace> numbered_residues(gemmi::Structure& structure);
 
 // Completes file.atoms by what gemmi::Atom has, for parsers that fill gemmi's residues with atoms.
-// gemmi::Atom::serial is the index in file.atoms. Names remain in gemmi's atoms, which must stay.
+// gemmi::Atom::serial is the index in file.atoms.
 void take_gemmi_atoms(ParsedFile& file);
 
 // Fills gemmi's residues with the atoms, if they have none. gemmi looks at atoms to tell polymers

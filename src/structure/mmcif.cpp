@@ -297,9 +297,9 @@ ParsedFile parse_mmcif(std::string_view text, const std::string& path, Monitor* 
   return parse_with_gemmi(path, [text, monitor](ParsedFile& file) {
     // Files of old Macintoshes have CR alone for line ends, which become LF here.
     const bool lone_cr = text.find('\n') == text.npos && text.find('\r') != text.npos;
-    std::string& lines = file.texts.emplace_back(lone_cr ? text : std::string_view());
+    std::string lines(lone_cr ? text : std::string_view());
     std::replace(lines.begin(), lines.end(), '\r', '\n');
-    const std::string_view read = lone_cr ? lines : text;
+    const std::string_view read = lone_cr ? std::string_view(lines) : text;
     file.format = "mmcif";
     if (!Reader(read, file, monitor).run()) read_small_molecule(read, file);
   });

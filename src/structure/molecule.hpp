@@ -9,6 +9,7 @@
 
 #include "core/vec3.hpp"
 #include "structure/polarity.hpp"
+#include "structure/short_text.hpp"
 
 namespace vdwmesh {
 
@@ -17,11 +18,11 @@ inline constexpr std::int32_t kNoGroup = -1;
 struct Atom {
   Vec3d position;                 // Å
   double radius = 0;              // Å; from the file (PQR, XYZR) or from a radius set
-  std::string element;            // symbol as in the periodic table ("C", "Zn"; "D" for deuterium)
-  std::string name;               // "CA"
-  std::string residue_name;       // "ALA"
-  std::string chain;              // in an assembly with the number of the copy: "A1"
-  std::string residue_number;     // with insertion code: "52A"; empty if the file has none
+  ShortText element;              // symbol as in the periodic table ("C", "Zn"; "D" for deuterium)
+  ShortText name;                 // "CA"
+  ShortText residue_name;         // "ALA"
+  ShortText chain;                // in an assembly with the number of the copy: "A1"
+  ShortText residue_number;       // with insertion code: "52A"; empty if the file has none
   std::int64_t serial = 0;        // as in the file
   std::int32_t model = 1;         // 0 if the file names the model by something else than a number
   bool hetero = false;            // the record is HETATM

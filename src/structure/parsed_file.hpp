@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,6 +10,7 @@
 
 #include "core/vec3.hpp"
 #include "structure/assembly.hpp"
+#include "structure/short_text.hpp"
 #include "structure/text_source.hpp"
 
 namespace gemmi {
@@ -21,11 +21,11 @@ struct Structure;
 namespace vdwmesh {
 
 // An atom of the file. Its residue, chain and model are gemmi's; hierarchy.hpp finds them by the
-// residue's number. gemmi's own atoms take 104 bytes, and a string each.
+// residue's number. gemmi's own atoms take 104 bytes each, these 72.
 struct AtomRecord {
   Vec3d position;             // Å
   double radius = 0;          // Å; 0 if the format has no radii
-  std::string_view name;      // "CA"; lasts as long as the ParsedFile
+  ShortText name;             // "CA"
   std::int64_t serial = 0;    // the serial number that the file gives
   std::uint32_t line = 0;     // line of the file (CIF and mmCIF: row of the atom table), from 1
   std::uint32_t residue = 0;  // its number in the hierarchy, from 0
@@ -45,8 +45,6 @@ struct ParsedFile {
   std::shared_ptr<gemmi::Structure> structure;  // models, chains and residues
   AssemblyTables assemblies;
   std::vector<AtomRecord> atoms;  // in the order of the file
-  Text text;                      // the bytes of the file, in which names are
-  std::deque<std::string> texts;  // names that are not in `text` as they are
   std::string path;               // for messages
   std::string format;             // "pdb", "mmcif", "bcif", "cif" (small molecule), "pqr" or "xyzr"
   bool own_radii = false;         // the file gives the radii (PQR, XYZR)
@@ -54,8 +52,8 @@ struct ParsedFile {
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 
-// One parser per format. `text` is the whole file, checked by checked_text(), which must last as
-// long as the result; `path` serves the messages. Each throws FileFormatError; the message is one
+// One parser per format. `text` is the whole file, checked by checked_text(); `path` serves the
+// messages. Each throws FileFormatError; the message is one
 // line that names the file and, if there is one, the line or row. A monitor is asked once in
 // kLinesPerCheck lines or rows whether to stop.
 inline constexpr std::uint32_t kLinesPerCheck = 1u << 13;

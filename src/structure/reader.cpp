@@ -92,8 +92,6 @@ ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
   advance(options.monitor, 0);
   check_ranges(file);
   if (format != StructureFormat::bcif) warn_of_unfinished_line(text, file);
-  const bool has_names = format == StructureFormat::mmcif || format == StructureFormat::bcif;
-  if (has_names) file.text = std::move(bytes);  // which moves no byte of it
   return file;
 }
 

@@ -4,18 +4,25 @@
 // fields are charge and radius (PDB2PQR, APBS). PQR fields are separated by blanks, but some
 // programs write the columns of PDB, where neighbouring numbers may touch; pqr_row() reads both.
 // gemmi has no parser for these formats. Builder creates the gemmi::Structure.
+//
+// Lists of spheres may be large, so the lines of XYZR are read on all cores: the text is cut into
+// pieces at line ends, the lines and spheres of each are counted, and each piece is read to where
+// its first sphere belongs. Which line is at fault does not depend on the pieces: the first one is.
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <gemmi/model.hpp>
+#include <optional>
 #include <system_error>
+#include <utility>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "structure/elements.hpp"
-#include "structure/hierarchy.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
 #include "structure/pdb_records.hpp"
@@ -50,33 +57,36 @@ class Builder {
   }
 
   void add(const Row& row, const char* element, std::uint32_t line) {
-    gemmi::Atom atom;
-    atom.name = std::string(row.name);
-    atom.element = gemmi::Element(element);
-    atom.serial = static_cast<int>(file_.atoms.size());
-    atom.pos = gemmi::Position(row.position[0], row.position[1], row.position[2]);
-    residue_of(row).atoms.push_back(std::move(atom));
-    AtomRecord record;
+    const std::uint32_t residue = residue_of(row);
+    AtomRecord& record = file_.atoms.emplace_back();
+    record.position = {row.position[0], row.position[1], row.position[2]};
+    record.name = row.name;
+    record.element = gemmi::Element(element).elem;
+    record.residue = residue;
     record.line = line;
     record.serial =
-        whole_number(row.serial).value_or(static_cast<std::int64_t>(file_.atoms.size()) + 1);
+        whole_number(row.serial).value_or(static_cast<std::int64_t>(file_.atoms.size()));
     record.hetero = row.hetero;
     record.radius = row.radius;
-    // An atom of XYZR has no name, so its element X is not a guess.
     record.element_guessed = !row.name.empty();
-    file_.atoms.push_back(record);
+  }
+
+  // Makes atoms without names, in one residue, which the caller completes.
+  std::vector<AtomRecord>& add_nameless(std::size_t count) {
+    residue_of({});
+    file_.atoms.reserve(count);
+    advise_large_pages(file_.atoms.data(), count);
+    file_.atoms.resize(count);
+    return file_.atoms;
   }
 
   std::size_t atom_count() const { return file_.atoms.size(); }
 
-  ParsedFile finish() {
-    take_gemmi_atoms(file_);
-    return std::move(file_);
-  }
+  ParsedFile finish() { return std::move(file_); }
 
  private:
-  // The residue that the row belongs to; begins a new one if necessary.
-  gemmi::Residue& residue_of(const Row& row) {
+  // The number of the residue that the row belongs to; begins a new one if necessary.
+  std::uint32_t residue_of(const Row& row) {
     if (!chain_ || chain_->name != row.chain) {
       std::vector<gemmi::Chain>& chains = file_.structure->models.back().chains;
       chains.emplace_back(std::string(row.chain));
@@ -91,8 +101,9 @@ class Builder {
       residue.seqid = sequence_id(number_);
       residue.het_flag = row.hetero ? 'H' : 'A';
       residues.push_back(std::move(residue));
+      ++residues_;
     }
-    return residues.back();
+    return residues_ - 1;
   }
 
   // Splits "52A" into the number 52 and the insertion code A.
@@ -107,6 +118,7 @@ class Builder {
   }
 
   ParsedFile file_;
+  std::uint32_t residues_ = 0;     // begun so far
   gemmi::Chain* chain_ = nullptr;  // the current chain; null at the beginning of a model
   std::string number_;             // of the current residue, as in the file
 };
@@ -230,6 +242,109 @@ void refuse_pdb(std::string_view text, const std::string& path) {
                           "temperature factors; rename it to .pdb or say --format pdb");
 }
 
+// Lines of XYZR that one thread reads at a time.
+struct Piece {
+  std::string_view text;
+  std::size_t first_line = 0, first_sphere = 0;  // in the file, from 0
+  std::size_t faulty_line = kNoLine;             // the first of its lines that is at fault, from 0
+  static constexpr std::size_t kNoLine = ~std::size_t{0};
+};
+
+// Cuts the text behind line feeds. A text without them is one piece.
+std::vector<Piece> cut(std::string_view text) {
+  constexpr std::size_t kLength = std::size_t{1} << 18;  // bytes
+  std::vector<Piece> pieces;
+  while (!text.empty()) {
+    const std::size_t feed = text.find('\n', std::min(kLength, text.size() - 1));
+    const std::size_t length = feed == text.npos ? text.size() : feed + 1;
+    pieces.push_back({text.substr(0, length)});
+    text.remove_prefix(length);
+  }
+  return pieces;
+}
+
+bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+std::string_view without_comment(std::string_view line) { return line.substr(0, line.find('#')); }
+
+// Moves the next word from the front of the line; empty behind the last one.
+std::string_view next_word(std::string_view& line) {
+  std::size_t first = 0;
+  while (first < line.size() && is_blank(line[first])) ++first;
+  std::size_t last = first;
+  while (last < line.size() && !is_blank(line[last])) ++last;
+  const std::string_view word = line.substr(first, last - first);
+  line.remove_prefix(last);
+  return word;
+}
+
+// Reads a sphere from a line without a comment. False if the line is at fault.
+bool take_sphere(std::string_view line, AtomRecord& record) {
+  std::array<double, 4> values{};
+  for (double& value : values) {
+    const std::optional<double> number = finite_number(next_word(line));
+    if (!number) return false;
+    value = *number;
+  }
+  record.position = {values[0], values[1], values[2]};
+  record.radius = values[3];
+  return record.radius >= 0;
+}
+
+// Calls visit(index, line) for each line with a sphere, with its index in the piece and without its
+// comment. Returns the number of all lines.
+template <class Visit>
+std::size_t for_each_sphere(std::string_view piece, const Visit& visit) {
+  std::size_t count = 0;
+  for (std::string_view line; next_line(piece, line); ++count) {
+    line = without_comment(line);
+    if (!std::all_of(line.begin(), line.end(), is_blank)) visit(count, line);
+  }
+  return count;
+}
+
+// Throws, and says what is wrong with the line.
+[[noreturn]] void refuse_sphere(std::string_view text, std::size_t index, const std::string& path) {
+  std::string_view line;
+  for (std::size_t i = 0; i <= index; ++i) next_line(text, line);
+  const auto number = static_cast<std::uint32_t>(index + 1);
+  const std::vector<std::string_view> fields = split_at_blanks(without_comment(line));
+  if (fields.size() < 4)
+    refuse(path, number, fmt::format("has {} fields; XYZR needs x y z radius", fields.size()));
+  Row row;
+  read_sphere(fields, 0, 3, row, path, number);
+  throw InternalError("a line of XYZR was at fault, and is not when it is read again");
+}
+
+// Counts the lines and spheres of the pieces, so that each knows its first ones. Returns the number
+// of spheres.
+std::size_t number_pieces(std::vector<Piece>& pieces) {
+  tbb::parallel_for(std::size_t{0}, pieces.size(), [&pieces](std::size_t i) {
+    std::size_t spheres = 0;
+    const auto count = [&spheres](std::size_t, std::string_view) { ++spheres; };
+    pieces[i].first_line = for_each_sphere(pieces[i].text, count);
+    pieces[i].first_sphere = spheres;
+  });
+  std::size_t lines = 0, spheres = 0;
+  for (Piece& piece : pieces) {
+    lines += std::exchange(piece.first_line, lines);
+    spheres += std::exchange(piece.first_sphere, spheres);
+  }
+  return spheres;
+}
+
+// Fills the records of the spheres in the piece, and notes the first line that is at fault.
+void read_piece(Piece& piece, std::vector<AtomRecord>& atoms) {
+  std::size_t next = piece.first_sphere;
+  for_each_sphere(piece.text, [&](std::size_t index, std::string_view line) {
+    const std::size_t in_file = piece.first_line + index;
+    AtomRecord& record = atoms[next++];
+    record.line = static_cast<std::uint32_t>(in_file + 1);
+    record.serial = static_cast<std::int64_t>(next);
+    if (!take_sphere(line, record)) piece.faulty_line = std::min(piece.faulty_line, in_file);
+  });
+}
+
 }  // namespace
 
 ParsedFile parse_pqr(std::string_view text, const std::string& path) {
@@ -255,18 +370,15 @@ ParsedFile parse_pqr(std::string_view text, const std::string& path) {
 ParsedFile parse_xyzr(std::string_view text, const std::string& path) {
   Builder builder(path, "xyzr");
   builder.begin_model("1");
-  std::string_view line;
-  for (std::uint32_t number = 1; next_line(text, line); ++number) {
-    const std::vector<std::string_view> fields = split_at_blanks(line.substr(0, line.find('#')));
-    if (fields.empty()) continue;
-    if (fields.size() < 4)
-      refuse(path, number, fmt::format("has {} fields; XYZR needs x y z radius", fields.size()));
-    Row row;
-    read_sphere(fields, 0, 3, row, path, number);
-    builder.add(row, "X", number);  // XYZR has no elements
-  }
-  if (builder.atom_count() == 0)
+  std::vector<Piece> pieces = cut(text);
+  const std::size_t count = number_pieces(pieces);
+  if (count == 0)
     throw FileFormatError(path + ": has no line with x y z radius, so there is nothing to mesh");
+  std::vector<AtomRecord>& atoms = builder.add_nameless(count);
+  tbb::parallel_for(std::size_t{0}, pieces.size(),
+                    [&](std::size_t i) { read_piece(pieces[i], atoms); });
+  for (const Piece& piece : pieces)
+    if (piece.faulty_line != Piece::kNoLine) refuse_sphere(text, piece.faulty_line, path);
   return builder.finish();
 }
 

@@ -89,7 +89,8 @@ class Plan:
 
 
 def factor_of(values):
-    return 10 ** max(-value.as_tuple().exponent for value in values)
+    """Zeros at the end of a decimal are none of its digits, because encoders are given numbers and not texts."""
+    return 10 ** max(0, *(-value.normalize().as_tuple().exponent for value in values))
 
 
 PLAIN = Plan(int32, lambda values: byte_array([float(v) for v in values], "d"),

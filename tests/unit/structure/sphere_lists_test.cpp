@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "structure/temp_file.hpp"
@@ -85,6 +86,46 @@ TEST(Xyzr, BadLinesAreRefused) {
     EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr", std::string("0 0 0 1\n") + bad),
                 HasSubstr("a.xyzr:2: "));
 }
+
+// The lines of a large file are read on all cores, in pieces of some hundred kilobytes.
+class LargeXyzr : public ::testing::TestWithParam<const char*> {
+ protected:
+  static constexpr int kLines = 60'000;
+
+  // Line i has the sphere i, i / 8, -i, 1 + i % 3; every tenth is a comment or empty.
+  static std::string text(int faulty_line = -1) {
+    std::string all;
+    for (int i = 0; i < kLines; ++i) {
+      if (i == faulty_line)
+        all += "1 2 three 4";
+      else if (i % 10 == 9)
+        all += i % 20 == 9 ? "# 1 2 3 4" : " \t";
+      else
+        all += fmt::format("{} {:.3f} {} {}", i, i / 8.0, -i, 1 + i % 3);
+      all += GetParam();
+    }
+    return all;
+  }
+};
+
+TEST_P(LargeXyzr, KeepsTheOrderOfItsLines) {
+  const Molecule molecule = read_text_as("a.xyzr", text());
+  ASSERT_EQ(molecule.atoms.size(), static_cast<std::size_t>(kLines / 10 * 9));
+  for (std::size_t atom = 0; atom < molecule.atoms.size(); ++atom) {
+    const auto line = static_cast<double>(atom / 9 * 10 + atom % 9);
+    ASSERT_EQ(molecule.atoms[atom].position, (Vec3d{line, line / 8, -line}));
+    ASSERT_EQ(molecule.atoms[atom].radius, 1 + static_cast<int>(line) % 3);
+    ASSERT_EQ(molecule.atoms[atom].serial, static_cast<std::int64_t>(atom) + 1);
+  }
+}
+
+TEST_P(LargeXyzr, NamesTheFirstFaultyLine) {
+  for (const int line : {0, 31'234, kLines - 2})
+    EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr", text(line) + "also at fault\n"),
+                HasSubstr(fmt::format("a.xyzr:{}: z is 'three', not a finite number", line + 1)));
+}
+
+INSTANTIATE_TEST_SUITE_P(LineEnds, LargeXyzr, ::testing::Values("\n", "\r\n", "\r"));
 
 }  // namespace
 }  // namespace vdwmesh::testing
