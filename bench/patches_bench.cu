@@ -2,9 +2,9 @@
 //
 //   patches_bench [--edge-length H] STRUCTURE...
 //
-// For each structure: the patches of the crease-exact mesher once their boundaries are settled, how
-// much memory they take, how long the host needs for them on all its threads, and how long the
-// kernel with 1 to 32 patches for each warp. Results are compared bit by bit.
+// For each structure and each order of the crease-exact mesher, patches whose boundaries have come
+// to rest: how much memory they take, how long the host needs for them on all its threads, and how
+// long the kernel with 1 to 32 patches for each warp. Results are compared bit by bit.
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
@@ -40,31 +40,38 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
 // Takes the jobs of the mesher, measures, and gives the host's results back.
 class MeasuringDevice final : public PatchDevice {
  public:
-  void mesh(std::span<PatchJob> jobs, Monitor*) override {
-    // Of the largest sets, as much as fits one batch.
-    const std::size_t most = std::min<std::size_t>(jobs.size(), std::size_t{1} << 16);
-    const std::span<PatchJob> some = jobs.first(most);
-    const double host = mesh_on_host(some);
-    std::size_t triangles = 0;
-    for (const PatchJob& job : some) triangles += job.mesh->triangles.size();
-    mesh_on_device(some, host, triangles);
+  // Looks at the jobs all the time, so that the host waits.
+  void mesh(const PatchOrder& order) override {
+    order.look([&] {
+      // Of the largest sets, as much as fits one batch; none of those withdrawn.
+      std::vector<PatchJob> some;
+      for (const PatchJob& job : order.jobs) {
+        if (!job.is_withdrawn && some.size() < (std::size_t{1} << 16)) some.push_back(job);
+      }
+      const double host = mesh_on_host(some);
+      std::size_t triangles = 0;
+      for (const PatchMesh& mesh : meshes_) triangles += mesh.triangles.size();
+      mesh_on_device(some, host, triangles);
+    });
   }
   void place(const PatchPlaces&, IndexedMesh&) override {}  // it keeps nothing
+  void forget() override {}
 
  private:
-  static double mesh_on_host(std::span<PatchJob> jobs) {
+  double mesh_on_host(std::span<PatchJob> jobs) {
+    meshes_.assign(jobs.size(), {});
     tbb::enumerable_thread_specific<PatchScratch> scratch;
     const auto begin = std::chrono::steady_clock::now();
     tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t i) {
       PatchProgress progress = *jobs[i].progress;
-      *jobs[i].mesh = mesh_patch(
-          progress, {jobs[i].edge_length, jobs[i].demand, PatchStage::triangles, nullptr},
-          scratch.local());
+      meshes_[i] = mesh_patch(progress,
+                              {jobs[i].edge_length, jobs[i].demand, PatchStage::triangles, nullptr},
+                              scratch.local());
     });
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
-  static void mesh_on_device(std::span<PatchJob> jobs, double host, std::size_t host_triangles) {
+  void mesh_on_device(std::span<PatchJob> jobs, double host, std::size_t host_triangles) {
     std::vector<std::uint32_t> which;
     for (std::uint32_t j = 0; j < jobs.size(); ++j) {
       if (is_for_device(sizes_of(jobs[j]))) which.push_back(j);
@@ -99,13 +106,13 @@ class MeasuringDevice final : public PatchDevice {
       }
       std::printf("%3u patches a warp: %8.2f ms, %.1f million triangles/s, ", per_warp, best,
                   1e-3 * static_cast<double>(host_triangles) / best);
-      compare(jobs, batch, download(outcomes.data(), count, stream), stream);
+      compare(batch, download(outcomes.data(), count, stream), stream);
     }
   }
 
   // `compare` looks at some 2,000 patches, since each is fetched by itself.
-  static void compare(std::span<PatchJob> jobs, const PatchBatch& batch,
-                      const std::vector<PatchOutcome>& outcomes, const Stream& stream) {
+  void compare(const PatchBatch& batch, const std::vector<PatchOutcome>& outcomes,
+               const Stream& stream) const {
     std::size_t no_room = 0, undecided = 0, compared = 0, other = 0;
     const std::size_t stride = outcomes.size() / 2000 + 1;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -113,7 +120,7 @@ class MeasuringDevice final : public PatchDevice {
       no_room += o.failure == PatchFailure::no_room;
       undecided += o.failure == PatchFailure::undecided;
       if (o.failure != PatchFailure::none || i % stride != 0) continue;
-      const PatchMesh& mesh = *jobs[batch.job(i)].mesh;
+      const PatchMesh& mesh = meshes_[batch.job(i)];
       std::vector<PieceSplit> splits = download(o.first_split, o.splits, stream);
       sort_requests(splits);
       ++compared;
@@ -124,6 +131,8 @@ class MeasuringDevice final : public PatchDevice {
     std::printf("no room %zu, undecided %zu, compared %zu, different %zu\n", no_room, undecided,
                 compared, other);
   }
+
+  std::vector<PatchMesh> meshes_;  // of the host, by job
 };
 
 }  // namespace

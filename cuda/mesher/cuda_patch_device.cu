@@ -1,16 +1,19 @@
 // The crease-exact mesher with a CUDA device for its patches.
 //
 // The host triangulates the boundaries of all patches and settles which of their pieces are split.
-// The patches then go to the device in batches, as large as the free memory of the device allows: a
-// quarter of it for each. Two threads take batches in turn, each with a stream of its own: while
-// the device meshes one batch, another is packed or travels. The host meshes what is left. The
-// device keeps its patches until the host has numbered all vertices; then it writes them into the
-// mesh, batch by batch, and their part of the mesh travels to the host.
+// Patches whose boundaries have come to rest go to the device in batches, as large as the free
+// memory of the device allows: a quarter of it for each. Two threads take batches in turn, each
+// with a stream of its own: while the device meshes one batch, another is packed or travels. The
+// host meshes what is left. The device keeps its patches until the host has numbered all vertices;
+// then it writes them into the mesh, part by part. A part is a run of vertices and triangles, which
+// travels to the host in one piece for each array.
 #include <cuda_runtime.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -52,15 +55,27 @@ class KeptRoom {
 
 struct HostRoom {
   KeptRoom<std::byte> input;
+  KeptRoom<PointSource> sources;
   KeptRoom<PatchOutcome> outcomes;
   KeptRoom<PieceSplit> splits;
 };
 
 // The patches of a batch in device memory, one after another, in the order of the batch.
 struct KeptBatch {
-  std::vector<GatherPlace> places;  // of each patch; the last place is the end
+  std::vector<GatherPlace> places;           // of each patch; the last place is the end
+  std::vector<std::uint64_t> first_sources;  // as in PatchBatch
   DeviceArray<Vec3d> interior;
   DeviceArray<std::array<std::uint32_t, 3>> triangles;
+  DeviceArray<PointSource> sources;
+};
+
+// PatchJob::kept: patch `place` of batch `batch`.
+struct KeptName {
+  std::uint32_t batch, place;
+  std::uint64_t packed() const { return std::uint64_t{batch} << 32 | place; }
+  static KeptName of(std::uint64_t packed) {
+    return {static_cast<std::uint32_t>(packed >> 32), static_cast<std::uint32_t>(packed)};
+  }
 };
 
 // Where the results of each patch go, one after another; the last place is the end.
@@ -77,32 +92,52 @@ std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t cou
 }
 
 // Writes to the job what became of its patch. A patch that failed is left to the host.
-void report(const PatchOutcome& outcome, const PieceSplit* splits, PatchJob& job) {
+void report(const PatchOutcome& outcome, const PieceSplit* splits, KeptName name, PatchJob& job) {
   if (outcome.failure != PatchFailure::none) return;
-  *job.mesh = {};
-  job.mesh->splits.assign(splits, splits + outcome.splits);
-  sort_requests(job.mesh->splits);
+  job.splits.assign(splits, splits + outcome.splits);
+  sort_requests(job.splits);
   job.is_done = true;
   job.is_kept = outcome.triangles > 0;
   job.interior = outcome.interior;
   job.triangles = outcome.triangles;
+  job.kept = name.packed();
 }
 
-// Meshes one batch and keeps the patches. For each job that is in the batch, its element of
-// `place_of_job` is set to its index there.
-KeptBatch mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which, HostRoom& room,
-                     std::span<std::uint32_t> place_of_job, const Stream& stream) {
-  const PatchBatch batch(jobs, which);
+// The arrays outlive the stream.
+void outlive_stream(KeptBatch& kept) {
+  kept.interior.give_back_on(nullptr);
+  kept.triangles.give_back_on(nullptr);
+  kept.sources.give_back_on(nullptr);
+}
+
+// Meshes the jobs `which` of an order, which will be the batch of this number, and keeps the
+// patches.
+KeptBatch mesh_batch(const PatchOrder& order, std::span<const std::uint32_t> which,
+                     std::uint32_t number, HostRoom& room, const Stream& stream) {
+  std::optional<PatchBatch> packed;
+  std::byte* input = nullptr;
+  PointSource* sources = nullptr;
+  order.look([&] {
+    packed.emplace(order.jobs, which);
+    input = room.input.take(packed->input_bytes());
+    sources = room.sources.take(packed->first_sources().back());
+    packed->pack(input);
+    packed->pack_sources(order.sources, sources);
+  });
+  const PatchBatch& batch = *packed;
   const auto count = static_cast<std::uint32_t>(batch.patches().size());
-  if (count == 0) return {};  // PatchBatch leaves out patches with very short edges
-  std::byte* const input = room.input.take(batch.input_bytes());
-  batch.pack(input);
+  // Patches with very short edges are left out, and those withdrawn.
+  if (count == 0) return {};
+  KeptBatch kept;
+  kept.first_sources = batch.first_sources();
+  kept.sources = DeviceArray<PointSource>(kept.first_sources.back(), stream);
   const DeviceArray<std::byte> device_input(batch.input_bytes(), stream),
       work(batch.work_bytes(), stream);
   const DeviceArray<BoundedPatch> patches(count, stream);
   const DeviceArray<Vec3d> lattice(batch.lattice().size(), stream);
   const DeviceArray<PatchOutcome> device_outcomes(count, stream);
   upload_parts({{device_input.data(), input, device_input.bytes()},
+                {kept.sources.data(), sources, kept.sources.bytes()},
                 {patches.data(), batch.patches().data(), patches.bytes()},
                 {lattice.data(), batch.lattice().data(), lattice.bytes()}},
                stream);
@@ -114,7 +149,7 @@ KeptBatch mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> wh
   PatchOutcome* const outcomes = room.outcomes.take(count);
   download_parts({{outcomes, device_outcomes.data(), device_outcomes.bytes()}}, stream);
 
-  KeptBatch kept{places_of(outcomes, count), {}, {}};
+  kept.places = places_of(outcomes, count);
   const GatherPlace& end = kept.places.back();
   const DeviceArray<GatherPlace> device_places(kept.places.size(), stream);
   upload_parts({{device_places.data(), kept.places.data(), device_places.bytes()}}, stream);
@@ -126,105 +161,103 @@ KeptBatch mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> wh
                          stream);
   PieceSplit* const splits = room.splits.take(device_splits.size());
   download_parts({{splits, device_splits.data(), device_splits.bytes()}}, stream);
-  // The arrays outlive the stream.
-  kept.interior.give_back_on(nullptr);
-  kept.triangles.give_back_on(nullptr);
+  outlive_stream(kept);
   for_each_index(count, [&](std::size_t i) {
-    const std::uint32_t j = batch.job(i);
-    place_of_job[j] = static_cast<std::uint32_t>(i);
-    report(outcomes[i], splits + kept.places[i].split, jobs[j]);
+    report(outcomes[i], splits + kept.places[i].split, {number, static_cast<std::uint32_t>(i)},
+           order.jobs[batch.job(i)]);
   });
   return kept;
 }
 
-// Consecutive places, without gaps between their vertices or triangles: parts of the mesh that are
-// downloaded in one piece.
-struct PlaceRun {
-  std::uint64_t vertex, vertices, triangle, triangles;
+// A run of places, and how many vertices and triangles there are from the first to the last one,
+// those of other patches between them included.
+struct MeshPart {
+  std::span<const PatchPlace> places;
+  std::uint64_t vertices, triangles;
+
+  explicit MeshPart(std::span<const PatchPlace> some)
+      : places(some),
+        vertices(some.back().first_vertex + some.back().interior - some.front().first_vertex),
+        triangles(some.back().first_triangle + some.back().triangles -
+                  some.front().first_triangle) {}
 };
 
-std::vector<PlaceRun> runs_of(std::span<const PatchPlace> places, std::span<const PatchJob> jobs) {
-  std::vector<PlaceRun> runs;
-  for (const PatchPlace& place : places) {
-    const PatchJob& job = jobs[place.job];
-    if (runs.empty() || runs.back().vertex + runs.back().vertices != place.first_vertex ||
-        runs.back().triangle + runs.back().triangles != place.first_triangle) {
-      runs.push_back({place.first_vertex, 0, place.first_triangle, 0});
+// Parts of about this many triangles: 160 MB of a mesh, so that parts travel while others are
+// written, and all pieces are long.
+constexpr std::uint64_t kTrianglesOfPart = std::uint64_t{1} << 22;
+
+std::vector<MeshPart> parts_of(std::span<const PatchPlace> places) {
+  std::vector<MeshPart> parts;
+  for (std::size_t begin = 0, end = 0; begin < places.size(); begin = end) {
+    while (end < places.size() &&
+           places[end].first_triangle - places[begin].first_triangle < kTrianglesOfPart) {
+      ++end;
     }
-    runs.back().vertices += job.interior;
-    runs.back().triangles += job.triangles;
+    parts.emplace_back(places.subspan(begin, end - begin));
   }
-  return runs;
+  return parts;
 }
 
-// Copies the runs from `part`, where they stand one after another, to their places in the mesh.
-void download_runs(const std::vector<PlaceRun>& runs, const DeviceMesh& part, IndexedMesh& mesh,
+// Copies a part to its place in the mesh.
+void download_part(const MeshPart& part, const DeviceMesh& from, IndexedMesh& mesh,
                    const Stream& stream) {
   std::vector<DownloadPart> parts;
-  std::uint64_t vertex = 0, triangle = 0;
-  const auto add = [&](auto* to, const auto* from, std::uint64_t count) {
-    parts.push_back({to, from, count * sizeof(*to)});
+  const auto add = [&](auto* to, const auto* first, std::uint64_t count) {
+    parts.push_back({to, first, count * sizeof(*to)});
   };
-  for (const PlaceRun& run : runs) {
-    add(mesh.positions.data() + run.vertex, part.positions.data() + vertex, run.vertices);
-    add(mesh.normals.data() + run.vertex, part.normals.data() + vertex, run.vertices);
-    add(mesh.vertex_spheres.atoms.data() + run.vertex, part.vertex_spheres.atoms.data() + vertex,
-        run.vertices);
-    add(mesh.vertex_spheres.others.data() + run.vertex, part.vertex_spheres.others.data() + vertex,
-        run.vertices);
-    add(mesh.triangles.data() + run.triangle, part.corners.data() + 3 * triangle, run.triangles);
-    add(mesh.triangle_spheres.data() + run.triangle, part.triangle_spheres.data() + triangle,
-        run.triangles);
-    vertex += run.vertices;
-    triangle += run.triangles;
-  }
+  const std::uint64_t vertex = part.places.front().first_vertex,
+                      triangle = part.places.front().first_triangle;
+  add(mesh.positions.data() + vertex, from.positions.data(), part.vertices);
+  add(mesh.normals.data() + vertex, from.normals.data(), part.vertices);
+  add(mesh.vertex_spheres.atoms.data() + vertex, from.vertex_spheres.atoms.data(), part.vertices);
+  add(mesh.vertex_spheres.others.data() + vertex, from.vertex_spheres.others.data(), part.vertices);
+  add(mesh.triangles.data() + triangle, from.corners.data(), part.triangles);
+  add(mesh.triangle_spheres.data() + triangle, from.triangle_spheres.data(), part.triangles);
   download_parts(parts, stream);
 }
 
-// Writes the patches of one batch into the mesh. They are places first, first + 1, ... of `all`.
-void place_batch(const KeptBatch& kept, const PatchPlaces& all, std::size_t first,
-                 std::size_t count, std::span<const PatchJob> jobs,
-                 std::span<const std::uint32_t> place_of_job, IndexedMesh& mesh,
-                 const Stream& stream) {
-  const std::span<const PatchPlace> places = all.places.subspan(first, count);
-  std::vector<mesher::PlacedPatch> patches(count);
-  std::uint64_t boundary = 0, vertices = 0, triangles = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const PatchPlace& to = places[i];
-    const PatchJob& job = jobs[to.job];
-    const GatherPlace& from = kept.places[place_of_job[to.job]];
-    patches[i] = {to.sphere,
-                  from.interior,
-                  from.triangle,
-                  vertices,
-                  triangles,
-                  boundary,
-                  static_cast<std::uint32_t>(to.first_vertex),
-                  to.boundary_points,
-                  job.interior,
-                  job.triangles,
-                  to.id};
-    boundary += to.boundary_points;
-    vertices += job.interior;
-    triangles += job.triangles;
-  }
-  Buffer<std::uint32_t> boundary_vertices(boundary);
-  for_each_index(count, [&](std::size_t i) {
-    all.boundary_vertices(first + i,
-                          {boundary_vertices.data() + patches[i].boundary, patches[i].points});
-  });
+mesher::PlacedPatch placed(const PatchPlace& place, const MeshPart& part,
+                           const std::vector<KeptBatch>& batches) {
+  const KeptName name = KeptName::of(place.kept);
+  const KeptBatch& batch = batches[name.batch];
+  const GatherPlace& from = batch.places[name.place];
+  const std::uint64_t source = batch.first_sources[name.place];
+  return {place.sphere,
+          batch.interior.data() + from.interior,
+          batch.triangles.data() + from.triangle,
+          batch.sources.data() + source,
+          place.first_vertex - part.places.front().first_vertex,
+          place.first_triangle - part.places.front().first_triangle,
+          static_cast<std::uint32_t>(place.first_vertex),
+          static_cast<std::uint32_t>(batch.first_sources[name.place + 1] - source),
+          place.interior,
+          3 * place.triangles,
+          place.id};
+}
+
+// Writes one part of the mesh. What lies between the places becomes zeros.
+void write_part(const MeshPart& part, const std::vector<KeptBatch>& batches,
+                const std::uint32_t* first_vertices, double unit, IndexedMesh& mesh,
+                const Stream& stream) {
+  const std::size_t count = part.places.size();
+  Buffer<mesher::PlacedPatch> patches(count);
+  for_each_index(count, [&](std::size_t i) { patches[i] = placed(part.places[i], part, batches); });
   const DeviceArray<mesher::PlacedPatch> device_patches(count, stream);
-  const DeviceArray<std::uint32_t> device_boundary(boundary, stream);
-  DeviceMesh part(vertices, triangles, stream, LabelWidth::three, Normals::gradients,
-                  Connectivity::triangles);
-  part.triangle_spheres = DeviceArray<SphereId>(triangles, stream);
-  upload_parts({{device_patches.data(), patches.data(), device_patches.bytes()},
-                {device_boundary.data(), boundary_vertices.data(), device_boundary.bytes()}},
-               stream);
-  mesher::place_patches(device_patches.data(), static_cast<std::uint32_t>(count),
-                        {kept.interior.data(), kept.triangles.data(), nullptr},
-                        device_boundary.data(), all.unit, part.view(), stream);
-  download_runs(runs_of(places, jobs), part, mesh, stream);
+  DeviceMesh written(part.vertices, part.triangles, stream, LabelWidth::three, Normals::gradients,
+                     Connectivity::triangles);
+  written.triangle_spheres = DeviceArray<SphereId>(part.triangles, stream);
+  clear(written.positions, stream);
+  clear(written.normals, stream);
+  clear(written.vertex_spheres.atoms, stream);
+  clear(written.vertex_spheres.others, stream);
+  clear(written.corners, stream);
+  clear(written.triangle_spheres, stream);
+  upload_parts({{device_patches.data(), patches.data(), device_patches.bytes()}}, stream);
+  mesher::place_patches(device_patches.data(), static_cast<std::uint32_t>(count), first_vertices,
+                        unit, written.view(), stream);
+  // Before the transfer, not within it, as in mesh_batch().
+  stream.wait();
+  download_part(part, written, mesh, stream);
 }
 
 // Computes on the device that is current where it is made, whatever thread calls it.
@@ -240,56 +273,53 @@ class CudaPatchDevice final : public PatchDevice {
     kept_.clear();
   }
 
-  void mesh(std::span<PatchJob> jobs, Monitor* monitor) override {
+  void mesh(const PatchOrder& order) override {
     const DeviceScope scope(device_);
-    kept_.clear();
-    jobs_ = jobs;
-    place_of_job_.assign(jobs.size(), 0);
     std::size_t free = 0, total = 0;
     check_cuda(cudaMemGetInfo(&free, &total), "memory");
-    batches_ = batches_of(jobs, free);
-    kept_.resize(batches_.size());
-    for_each_batch([&](std::size_t i, HostRoom& room, const Stream& stream) {
-      kept_[i] = mesh_batch(jobs, batches_[i], room, place_of_job_, stream);
-      advance(monitor, batches_[i].size());
+    std::vector<std::vector<std::uint32_t>> batches;
+    order.look([&] { batches = batches_of(order.jobs, free); });
+    const std::size_t before = kept_.size();
+    kept_.resize(before + batches.size());
+    for_each(batches.size(), [&](std::size_t i, HostRoom& room, const Stream& stream) {
+      kept_[before + i] =
+          mesh_batch(order, batches[i], static_cast<std::uint32_t>(before + i), room, stream);
+      advance(order.monitor, batches[i].size());
     });
   }
 
   void place(const PatchPlaces& all, IndexedMesh& mesh) override {
     const DeviceScope scope(device_);
-    for_each_batch([&](std::size_t i, HostRoom&, const Stream& stream) {
-      if (batches_[i].empty()) return;
-      // Places ascend by job and are of kept patches only, and the batches are disjoint ranges of
-      // jobs. So all places from the first to the last job of a batch are of this batch.
-      const auto begin = std::ranges::lower_bound(all.places, batches_[i].front(), {},
-                                                  &PatchPlace::job),
-                 end =
-                     std::ranges::upper_bound(all.places, batches_[i].back(), {}, &PatchPlace::job);
-      if (begin == end) return;
-      place_batch(kept_[i], all, static_cast<std::size_t>(begin - all.places.begin()),
-                  static_cast<std::size_t>(end - begin), jobs_, place_of_job_, mesh, stream);
+    const Stream stream;
+    const DeviceArray<std::uint32_t> first_vertices(all.first_vertices.size(), stream);
+    upload_parts({{first_vertices.data(), all.first_vertices.data(), first_vertices.bytes()}},
+                 stream);
+    const std::vector<MeshPart> parts = parts_of(all.places);
+    for_each(parts.size(), [&](std::size_t i, HostRoom&, const Stream& own) {
+      write_part(parts[i], kept_, first_vertices.data(), all.unit, mesh, own);
     });
+  }
+
+  void forget() override {
+    const DeviceScope scope(device_);
     kept_.clear();
   }
 
  private:
-  // Calls work(i, room, stream) for every batch, on two threads.
+  // Calls work(i, room, stream) for i = 0 .. count - 1, on two threads.
   template <class Work>
-  void for_each_batch(const Work& work) const {
+  void for_each(std::size_t count, const Work& work) {
     std::atomic<std::size_t> next{0};
-    run_on_threads(std::min<std::size_t>(batches_.size(), 2), [&](std::size_t) {
+    run_on_threads(std::min(count, rooms_.size()), [&](std::size_t thread) {
       check_cuda(cudaSetDevice(device_), "device");
       const Stream stream;
-      HostRoom room;
-      for (std::size_t i = next++; i < batches_.size(); i = next++) work(i, room, stream);
+      for (std::size_t i = next++; i < count; i = next++) work(i, rooms_[thread], stream);
     });
   }
 
   int device_ = 0;
-  std::span<PatchJob> jobs_;  // of the last call of mesh()
-  std::vector<std::vector<std::uint32_t>> batches_;
-  std::vector<KeptBatch> kept_;              // by batch
-  std::vector<std::uint32_t> place_of_job_;  // in its batch
+  std::array<HostRoom, 2> rooms_;  // for the two threads
+  std::vector<KeptBatch> kept_;
 };
 
 class CudaExactMesher final : public ExactMesher {

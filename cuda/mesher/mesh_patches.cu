@@ -41,27 +41,28 @@ __global__ void gather(const PatchOutcome* outcomes, const GatherPlace* places, 
 
 // A warp for each patch. The operations are those of the host (MeshPlacement::place_patch()), so
 // the bits are.
-__global__ void place(const PlacedPatch* patches, std::uint32_t count, GatheredPatches from,
-                      const std::uint32_t* boundary_vertices, double unit, DeviceMeshView to) {
+__global__ void place(const PlacedPatch* patches, std::uint32_t count,
+                      const std::uint32_t* first_vertices, double unit, DeviceMeshView to) {
   const std::uint64_t i = thread_index() / 32;
   if (i >= count) return;
   const unsigned lane = threadIdx.x % 32;
   const PlacedPatch& p = patches[i];
   for (std::uint32_t k = lane; k < p.interiors; k += 32) {
-    const Vec3d out = from.interior[p.interior + k];
-    const std::uint64_t v = p.vertex_to + k;
+    const Vec3d out = p.interior[k];
+    const std::uint64_t v = p.vertex + k;
     to.positions[v] = unit * (p.sphere.center + p.sphere.radius * out);
     to.normals[v] = cast<float>(out);
     to.vertex_spheres.set(v, on_sphere(p.id));
   }
-  for (std::uint32_t t = lane; t < p.triangles; t += 32) {
-    const std::array<std::uint32_t, 3> corners = from.triangles[p.triangle + t];
-    for (unsigned k = 0; k < 3; ++k) {
-      const std::uint32_t v = corners[k];
-      to.corners[3 * (p.triangle_to + t) + k] =
-          v < p.points ? boundary_vertices[p.boundary + v] : p.first_vertex + (v - p.points);
-    }
-    to.triangle_spheres[p.triangle_to + t] = p.id;
+  // Corner by corner, so that a warp reads and writes without gaps.
+  const std::uint32_t* const corners = p.triangles->data();
+  for (std::uint32_t k = lane; k < p.corners; k += 32) {
+    const std::uint32_t v = corners[k];
+    to.corners[3 * p.triangle + k] =
+        v < p.points ? p.sources[v].vertex(first_vertices) : p.first_vertex + (v - p.points);
+  }
+  for (std::uint32_t t = lane; t < p.corners / 3; t += 32) {
+    to.triangle_spheres[p.triangle + t] = p.id;
   }
 }
 
@@ -80,11 +81,11 @@ void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std
          count, to);
 }
 
-void place_patches(const PlacedPatch* patches, std::uint32_t count, const GatheredPatches& from,
-                   const std::uint32_t* boundary_vertices, double unit, const DeviceMeshView& part,
+void place_patches(const PlacedPatch* patches, std::uint32_t count,
+                   const std::uint32_t* first_vertices, double unit, const DeviceMeshView& part,
                    const Stream& stream) {
-  launch("place_patches", place, over(32 * std::uint64_t{count}, 128), stream, patches, count, from,
-         boundary_vertices, unit, part);
+  launch("place_patches", place, over(32 * std::uint64_t{count}, 128), stream, patches, count,
+         first_vertices, unit, part);
 }
 
 }  // namespace vdwmesh::mesher

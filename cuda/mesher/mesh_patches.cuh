@@ -38,22 +38,23 @@ struct GatheredPatches {
 void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
                     const GatheredPatches& to, const Stream& stream);
 
-// A patch and its place in a part of a mesh. Indices count in the arrays of GatheredPatches, in
-// those of the part, and in the array of all boundary vertices.
+// A patch and its place in a part of a mesh.
 struct PlacedPatch {
   Sphere sphere;
-  std::uint64_t interior, triangle;            // in GatheredPatches
-  std::uint64_t vertex_to, triangle_to;        // in the part
-  std::uint64_t boundary;                      // its first boundary vertex
-  std::uint32_t first_vertex;                  // of its interior points, in the whole mesh
-  std::uint32_t points, interiors, triangles;  // numbers: on the boundary, inside, of triangles
+  const Vec3d* interior;
+  const std::array<std::uint32_t, 3>* triangles;
+  const PointSource* sources;        // of the points of its boundary
+  std::uint64_t vertex, triangle;    // where it begins in the part
+  std::uint32_t first_vertex;        // of its interior points, in the whole mesh
+  std::uint32_t points;              // on its boundary
+  std::uint32_t interiors, corners;  // how many points inside, and three for each triangle
   SphereId id;
 };
 
 // Writes patches into part of a mesh: interior points with normals and labels, and triangles, whose
-// corners become vertices of the whole mesh. `unit` is that of PatchPlaces.
-void place_patches(const PlacedPatch* patches, std::uint32_t count, const GatheredPatches& from,
-                   const std::uint32_t* boundary_vertices, double unit, const DeviceMeshView& part,
+// corners become vertices of the whole mesh. `first_vertices` and `unit` are those of PatchPlaces.
+void place_patches(const PlacedPatch* patches, std::uint32_t count,
+                   const std::uint32_t* first_vertices, double unit, const DeviceMeshView& part,
                    const Stream& stream);
 
 }  // namespace vdwmesh::mesher

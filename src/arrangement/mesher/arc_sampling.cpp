@@ -129,12 +129,16 @@ void ArcSampling::number_vertices() {
   first_vertex_.back() = static_cast<std::uint32_t>(next);
 }
 
-std::uint32_t ArcSampling::vertex(std::uint32_t arc, std::uint32_t index) const {
+PointSource ArcSampling::source(std::uint32_t arc, std::uint32_t index) const {
   const BoundaryArc& a = boundary_.arcs[arc];
-  if (a.is_circle()) return first_vertex_[arc] + (index == pieces_[arc] ? 0 : index);
-  if (index == 0) return a.ends[0];
-  if (index == pieces_[arc]) return a.ends[1];
-  return first_vertex_[arc] + index - 1;
+  if (a.is_circle()) return {arc, index == pieces_[arc] ? 0 : index};
+  if (index == 0) return {kNoIndex, a.ends[0]};
+  if (index == pieces_[arc]) return {kNoIndex, a.ends[1]};
+  return {arc, index - 1};
+}
+
+std::uint32_t ArcSampling::vertex(std::uint32_t arc, std::uint32_t index) const {
+  return source(arc, index).vertex(first_vertex_.data());
 }
 
 std::uint32_t ArcSampling::vertex_count() const { return first_vertex_.back(); }

@@ -31,6 +31,17 @@ struct PieceSplit {
   friend auto operator<=>(const PieceSplit&, const PieceSplit&) = default;
 };
 
+// Which vertex of the mesh a sample point is, in a form that the numbers of vertices do not change:
+// vertex `offset` of those between the ends of an arc, or the corner `offset` if `arc` is kNoIndex.
+struct PointSource {
+  std::uint32_t arc, offset;
+
+  // Its number. `first_vertices` has the number of the first vertex between the ends of each arc.
+  VDWMESH_HD std::uint32_t vertex(const std::uint32_t* first_vertices) const {
+    return arc == kNoIndex ? offset : first_vertices[arc] + offset;
+  }
+};
+
 // Sorts requests by piece and keeps one for each: that with the most halvings.
 void merge_splits(std::vector<PieceSplit>& splits);
 // The patches on both sides of the pieces, by BoundaryArc::balls: ascending, each once.
@@ -65,10 +76,13 @@ class ArcSampling {
   void number_vertices();
   // The number of a sample point, and of all of them.
   std::uint32_t vertex(std::uint32_t arc, std::uint32_t index) const;
+  // It stays the same until a piece of the arc is split.
+  PointSource source(std::uint32_t arc, std::uint32_t index) const;
   std::uint32_t vertex_count() const;
   // The number of the first point between the ends of an arc; of all vertices if there is no such
   // arc any more.
   std::uint32_t first_vertex(std::uint32_t arc) const { return first_vertex_[arc]; }
+  const std::vector<std::uint32_t>& first_vertices() const { return first_vertex_; }
 
  private:
   // Splits pieces of the arc that the first request names; the requests for it come first.

@@ -69,6 +69,7 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
   };
   std::vector<JobBytes> bytes_of_job(jobs.size());  // work 0: not for a device
   for_each_index(jobs.size(), [&](std::size_t j) {
+    if (jobs[j].is_withdrawn) return;
     const PatchSizes sizes = sizes_of(jobs[j]);
     if (is_for_device(sizes)) bytes_of_job[j] = {work_bytes(sizes), most_kept_bytes(sizes)};
   });
@@ -93,21 +94,36 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
   return batches;
 }
 
-// Of some thousand patches as many as let the device and the host's cores end at the same time. The
-// figures are those of an H200 and 16 cores of its host (docs/exact_mesh.md): the device takes 18
-// ms for its slowest patch and one more for every 420, which are 65,536 patches in 156 ms; a core
-// meshes 7.5 in a millisecond, 16 of them the 65,536 in 541 ms. Of more patches all, since the
-// cores then pack batches while the device meshes others: of 165,126, the first round took 0.47 s
-// so, and 0.53 s when they were shared. Fewer than 1,024 are not worth the transfer.
-std::size_t patches_for_device(std::size_t count) {
-  constexpr std::size_t kFew = 1024, kMany = 16384;
-  constexpr double kSlowest = 18, kOfDevice = 420, kOfCore = 7.5;
-  if (count < kFew) return 0;
-  if (count >= kMany) return count;
-  const auto cores = static_cast<double>(
+namespace {
+
+// The figures are those of an H200 and 16 cores of its host (docs/exact_mesh.md): the device takes
+// 18 ms for its slowest patch and one more for every 420, which are 65,536 patches in 156 ms; a
+// core meshes 7.5 in a millisecond, 16 of them the 65,536 in 541 ms, and looks at 70 boundaries.
+constexpr double kSlowest = 18, kOfDevice = 420, kOfCore = 7.5, kBoundariesOfCore = 70;
+
+double cores() {
+  return static_cast<double>(
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+}  // namespace
+
+double busy_time(std::size_t sent, std::size_t visits) {
+  if (sent == 0) return 0;
+  return std::max(0.0, kSlowest + static_cast<double>(sent) / kOfDevice -
+                           static_cast<double>(visits) / (kBoundariesOfCore * cores()));
+}
+
+// Of some thousand patches as many as let the device and the host's cores end at the same time. Of
+// more patches all, since the cores then pack batches while the device meshes others: of 165,126,
+// the first round took 0.47 s so, and 0.53 s when they were shared. Few are not worth the transfer.
+std::size_t patches_for_device(std::size_t count, double busy) {
+  constexpr std::size_t kMany = 16384;
+  if (count < kLeastPatchesForDevice) return 0;
+  if (count >= kMany) return count;
   const double n = static_cast<double>(count);
-  const double of_host = (kSlowest + n / kOfDevice) / (1 / (kOfCore * cores) + 1 / kOfDevice);
+  const double of_host =
+      (busy + kSlowest + n / kOfDevice) / (1 / (kOfCore * cores()) + 1 / kOfDevice);
   return count - static_cast<std::size_t>(std::min(n, of_host));
 }
 
@@ -118,16 +134,24 @@ PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint
     std::uint32_t job, parts;
     PatchSizes sizes;
     std::size_t input_bytes, work_bytes;
+    bool is_withdrawn;
   };
   std::vector<Need> needs(which.size());
   for_each_index(which.size(), [&](std::size_t i) {
     const PatchJob& job = jobs[which[i]];
+    needs[i].is_withdrawn = job.is_withdrawn;
+    if (job.is_withdrawn) return;
     const PatchSizes sizes = sizes_of(job);
     ArrayPlaces places(nullptr);
     patch_input(sizes, places);
-    needs[i] = {which[i], SpherePoints::parts(clamped_edge(job)), sizes, places.bytes(),
-                vdwmesh::work_bytes(sizes)};
+    needs[i] = {which[i],
+                SpherePoints::parts(clamped_edge(job)),
+                sizes,
+                places.bytes(),
+                vdwmesh::work_bytes(sizes),
+                false};
   });
+  std::erase_if(needs, [](const Need& need) { return need.is_withdrawn; });
   std::stable_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
     return a.sizes.most_points > b.sizes.most_points;
   });
@@ -142,6 +166,7 @@ PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint
     order_.push_back(need.job);
     patches_.push_back({need.sizes, lattice.first, lattice.count, input_bytes_, work_bytes_,
                         job.edge_length, job.progress->plane.largest, job.demand});
+    first_sources_.push_back(first_sources_.back() + need.sizes.points);
     input_bytes_ += need.input_bytes;
     work_bytes_ += need.work_bytes;
   }
@@ -168,6 +193,14 @@ void PatchBatch::pack(std::byte* input) const {
     copy(from.plane.points, to.plane_points);
     copy(from.plane.star, to.star);
     copy(from.plane.triangles, to.triangles);
+  });
+}
+
+void PatchBatch::pack_sources(
+    const std::function<void(const PatchJob&, std::span<PointSource>)>& sources,
+    PointSource* out) const {
+  tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t i) {
+    sources(jobs_[order_[i]], {out + first_sources_[i], patches_[i].sizes.points});
   });
 }
 

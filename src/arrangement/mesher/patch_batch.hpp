@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -19,16 +20,22 @@ bool is_for_device(const PatchSizes& sizes);
 
 // The batches in which a device with so many bytes of free memory meshes jobs, two at a time, while
 // it keeps the results of all. Half of the memory is for results at most; jobs beyond it are in no
-// batch, nor are those that are not for a device. A batch has one job at least.
+// batch, nor are those that are not for a device or withdrawn. A batch has one job at least.
 std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
                                                    std::size_t free_bytes);
 
-// How many of so many patches a device gets (DeviceWork::balanced).
-std::size_t patches_for_device(std::size_t count);
+// How many of so many patches a device gets (DeviceWork::balanced), if it is busy for so many
+// milliseconds before it can begin.
+std::size_t patches_for_device(std::size_t count, double busy = 0);
+// The milliseconds for which a device is busy with so many patches that were sent to it before the
+// host looked at the boundaries of `visits` others.
+double busy_time(std::size_t sent, std::size_t visits);
+// Of how many patches at least it is worth sending them to a device.
+inline constexpr std::size_t kLeastPatchesForDevice = 1024;
 
 class PatchBatch {
  public:
-  // Takes the jobs `which` of `jobs`, and keeps a view of both.
+  // Takes the jobs `which` of `jobs` but those withdrawn, and keeps a view of `jobs`.
   PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint32_t> which);
 
   // Descending by size, so that threads side by side have about as much to do.
@@ -39,8 +46,15 @@ class PatchBatch {
   std::size_t input_bytes() const { return input_bytes_; }
   std::size_t work_bytes() const { return work_bytes_; }
 
+  // Where the sources of the boundary points of each patch begin, one patch after another; the last
+  // entry is their number.
+  const std::vector<std::uint64_t>& first_sources() const { return first_sources_; }
+
   // Writes the packed patches, on all cores.
   void pack(std::byte* input) const;
+  // Writes the sources of all patches, on all cores, by `sources` as in PatchOrder.
+  void pack_sources(const std::function<void(const PatchJob&, std::span<PointSource>)>& sources,
+                    PointSource* out) const;
 
  private:
   void add_lattice(std::uint32_t parts, double edge_length);
@@ -48,6 +62,7 @@ class PatchBatch {
   std::span<const PatchJob> jobs_;
   std::vector<std::uint32_t> order_;
   std::vector<BoundedPatch> patches_;
+  std::vector<std::uint64_t> first_sources_{0};
   struct Lattice {
     std::uint32_t first = 0, count = 0;
   };

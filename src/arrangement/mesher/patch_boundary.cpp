@@ -289,6 +289,17 @@ std::vector<std::uint32_t> gathered_numbers(const BoundaryArcs& boundary,
   return found;
 }
 
+// Every point is an end of a piece.
+void point_sources(const BoundaryArcs& boundary, const ArcSampling& sampling, std::uint32_t side,
+                   const PatchBoundary& points, std::span<PointSource> out) {
+  for (const BoundaryPiece& piece : points.pieces) {
+    const auto [arc, k] = piece.source;
+    const bool backwards = boundary.arcs[arc].balls[0] == side;
+    out[piece.from] = sampling.source(arc, backwards ? k + 1 : k);
+    out[piece.to] = sampling.source(arc, backwards ? k : k + 1);
+  }
+}
+
 void boundary_vertices(const BoundaryArcs& boundary, const ArcSampling& sampling,
                        const PatchIndex& index, std::uint32_t ball,
                        std::vector<std::uint32_t>& out) {

@@ -157,6 +157,9 @@ void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, con
 std::vector<std::uint32_t> gathered_numbers(const BoundaryArcs& boundary,
                                             const ArcSampling& sampling, const PatchIndex& index,
                                             std::uint32_t ball, const PatchBoundary& points);
+// Writes the sources of the points of an up-to-date boundary, that of the patch `side`.
+void point_sources(const BoundaryArcs& boundary, const ArcSampling& sampling, std::uint32_t side,
+                   const PatchBoundary& points, std::span<PointSource> out);
 // Replaces `out` by the mesh vertices of the points that gather_boundary() lists, in the same
 // order.
 void boundary_vertices(const BoundaryArcs& boundary, const ArcSampling& sampling,

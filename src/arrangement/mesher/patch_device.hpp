@@ -1,11 +1,13 @@
 // Meshes many patches at once, in place of the host's threads. The CUDA backend is one
-// (cuda/mesher/). UnionMesher gives it patches whose boundaries are triangulated.
+// (cuda/mesher/). UnionMesher gives it patches whose boundaries are triangulated
+// (device_patches.hpp).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/mesher/mesh_team.hpp"
@@ -14,53 +16,70 @@
 namespace vdwmesh {
 
 struct PatchJob {
+  std::uint32_t ball;
   const PatchProgress* progress;  // with a triangulation, and without chains since
   double edge_length;             // as in PatchOptions
   double area;                    // of the patch, in squared radii: roughly how many triangles
   Demand demand;
-  PatchMesh* mesh;       // takes the result of stage PatchStage::triangles
-  bool is_done = false;  // whether the device has meshed it
-  // Whether the device keeps the points and triangles for place(), in place of *mesh; then their
-  // numbers.
+  // The host has changed the boundary since, and meshes the patch itself. The device must not look
+  // at the progress any more.
+  bool is_withdrawn = false;
+
+  // The rest is set by the device.
+  // Whether it has meshed the patch: then there are requests, or it keeps the result for place().
+  bool is_done = false;
+  std::vector<PieceSplit> splits;  // as in PatchMesh
   bool is_kept = false;
-  std::uint32_t interior = 0, triangles = 0;
+  std::uint32_t interior = 0, triangles = 0;  // how many points and triangles it keeps
+  std::uint64_t kept = 0;                     // the device's name for the result
+};
+
+struct PatchOrder {
+  std::span<PatchJob> jobs;
+  // Calls a function that looks at the progress of jobs, or at whether they are withdrawn, while
+  // the host changes neither. From any thread.
+  std::function<void(const std::function<void()>&)> look;
+  // Writes the sources of the points of a job's boundary. To be called from look().
+  std::function<void(const PatchJob&, std::span<PointSource>)> sources;
+  Monitor* monitor;
 };
 
 // Where a kept patch goes in the mesh.
 struct PatchPlace {
-  std::uint32_t job;
-  std::uint32_t boundary_points;  // of the patch
+  std::uint64_t kept;                 // PatchJob::kept
+  std::uint32_t interior, triangles;  // how many
   Sphere sphere;
   SphereId id;
   std::uint64_t first_vertex, first_triangle;  // of its interior points, of its triangles
 };
 
 struct PatchPlaces {
-  std::span<const PatchPlace> places;  // ascending by job, by vertex and by triangle
-  double unit;                         // of the spheres' lengths, in Å: a power of two
-  // Writes the mesh vertices of the boundary points of place i. Called once for each, from any
-  // thread.
-  std::function<void(std::size_t i, std::span<std::uint32_t>)> boundary_vertices;
+  std::span<const PatchPlace> places;             // ascending by vertex and by triangle
+  double unit;                                    // of the spheres' lengths, in Å: a power of two
+  std::span<const std::uint32_t> first_vertices;  // ArcSampling::first_vertices()
 };
 
 class PatchDevice {
  public:
   virtual ~PatchDevice() = default;
   // Meshes jobs as mesh_patch() would, bit by bit, and sets is_done for them. It leaves out those
-  // that double precision does not decide or that outgrow their memory. What it keeps stays until
-  // the next call. Throws Cancelled, DeviceMemoryExceeded.
-  virtual void mesh(std::span<PatchJob> jobs, Monitor* monitor) = 0;
-  // Writes kept patches of the last call of mesh() to their places in the mesh, which has room for
-  // them, and to no others. Throws DeviceMemoryExceeded.
+  // that double precision does not decide or that outgrow their memory, and those withdrawn before
+  // it looked at them. Results are kept until forget(). Throws Cancelled, DeviceMemoryExceeded.
+  virtual void mesh(const PatchOrder& order) = 0;
+  // Writes kept patches to their places in the mesh, which has room for them. Whatever vertices and
+  // triangles of other patches are between the first and the last of the places may be overwritten.
+  // Throws DeviceMemoryExceeded.
   virtual void place(const PatchPlaces& places, IndexedMesh& mesh) = 0;
+  // Gives the memory of kept results back.
+  virtual void forget() = 0;
 };
 
 // mesh_union() with a device for the patches, or without (null).
 ExactMesh mesh_union_with(PatchDevice* device, const SphereSet& spheres,
                           const ExactMeshOptions& options);
 // The same by several processes: each has all spheres, and the team gets its piece of the mesh that
-// mesh_union() makes. The memory limit and the monitor are those of a process. Throws in all
-// processes.
+// mesh_union() makes. The memory limit and the monitor are those of a process. Precondition: a
+// process with a device is alone. Throws in all processes.
 ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSet& spheres,
                              const ExactMeshOptions& options);
 

@@ -29,11 +29,11 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
-#include <thread>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "arrangement/many_unions.hpp"
+#include "arrangement/mesher/device_patches.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/mesh_placement.hpp"
 #include "arrangement/mesher/patch_batch.hpp"
@@ -71,7 +71,6 @@ class UnionMesher {
   UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
               const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team)
       : options_(options),
-        device_(device),
         team_(team),
         t_(arrangement.balls),
         areas_(arrangement.boundary.areas),
@@ -84,7 +83,17 @@ class UnionMesher {
         allowed_growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
         progress_(t_.balls.size()),
         patches_(t_.balls.size()),
-        has_coincident_points_(t_.balls.size(), 0) {}
+        has_coincident_points_(t_.balls.size(), 0) {
+    if (!device) return;
+    device->forget();
+    device_ = device;
+    on_device_.emplace(
+        *device, t_.balls.size(),
+        [this](const PatchJob& job, std::span<PointSource> out) {
+          point_sources(boundary_, sampling_, job.ball, job.progress->boundary, out);
+        },
+        options_.monitor);
+  }
 
   ExactMeshStats run() && {
     team_.together([&] {
@@ -164,8 +173,10 @@ class UnionMesher {
       team_.together([&] {
         sampling_.split(last_splits_);
         fits = pieces_fit();
-        balls = sides_of(boundary_, last_splits_);
-        std::erase_if(balls, [&](std::uint32_t b) { return !share_.has_patch_of(b); });
+        std::vector<std::uint32_t> next = sides_of(boundary_, last_splits_);
+        std::erase_if(next, [&](std::uint32_t b) { return !share_.has_patch_of(b); });
+        if (on_device_) share_with_device(balls, next, stage);
+        balls = std::move(next);
       });
       check_growth(last_splits_, team_.least(fits) != 0);
     }
@@ -177,8 +188,8 @@ class UnionMesher {
     begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
                 balls.size());
     const std::vector<std::uint32_t> for_host =
-        device_ && stage == PatchStage::triangles && last_splits_.empty()
-            ? mesh_beside_device(balls, demand)
+        on_device_ && stage == PatchStage::triangles && last_splits_.empty()
+            ? mesh_beside_device(balls)
             : balls;
     tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
       mesh_ball(for_host[i], demand, stage);
@@ -253,12 +264,6 @@ class UnionMesher {
       patches_[ball] = mesh_sphere(edge_length);
       return;
     }
-    // The device's patch is not wanted any more, since a piece was split. The patch begins anew, as
-    // one that the host has finished.
-    if (kept_job(ball)) {
-      progress_[ball].reset();
-      kept_[ball] = kNoIndex;
-    }
     PatchProgress& progress = up_to_date(ball);
     try {
       PatchMesh& patch = patches_[ball] =
@@ -269,73 +274,71 @@ class UnionMesher {
     }
   }
 
+  // After a round of `balls` in which pieces were split, and before that of the balls beside them,
+  // `next`. What the device has of these is not wanted any more. In the first series it gets the
+  // patches whose boundaries have come to rest, if they are many.
+  void share_with_device(const std::vector<std::uint32_t>& balls,
+                         const std::vector<std::uint32_t>& next, PatchStage stage) {
+    for (const std::uint32_t b : next) {
+      // The patch begins anew, as one that the host has finished.
+      if (stage == PatchStage::triangles && kept_job(b)) progress_[b].reset();
+      on_device_->withdraw(b);
+    }
+    if (stage == PatchStage::triangles) return;
+    if (on_device_->sent() > 0) boundaries_meanwhile_ += balls.size();
+    std::vector<std::uint32_t> quiet;
+    std::ranges::set_difference(balls, next, std::back_inserter(quiet));
+    // One that was withdrawn is sent again at the end only.
+    std::erase_if(quiet, [&](std::uint32_t b) { return on_device_->was_sent(b); });
+    if (options_.device_work == DeviceWork::all || quiet.size() >= kLeastPatchesForDevice) {
+      send_to_device(quiet);
+    }
+    on_device_->let_read();
+  }
+
+  // Precondition: the triangulations of the boundaries are up to date. The triangles are those of
+  // the first round of the second series.
+  void send_to_device(std::span<const std::uint32_t> balls) {
+    on_device_->send(balls.size(), [&](std::size_t i) {
+      const std::uint32_t b = balls[i];
+      const double r = t_.balls[b].radius;
+      PatchJob job{};
+      job.ball = b;
+      job.progress = progress_[b].get();
+      job.edge_length = edge_lengths_[b] / r;
+      job.area = areas_[b] / (r * r);
+      job.demand = Demand::quality;
+      return job;
+    });
+  }
+
   // Lets the device mesh patches that have a boundary, and the host others meanwhile, and returns
-  // the balls that are left. Precondition: no piece was split in the last round, so the
-  // triangulations of all boundaries are up to date.
-  std::vector<std::uint32_t> mesh_beside_device(const std::vector<std::uint32_t>& balls,
-                                                Demand demand) {
-    const std::vector<std::uint32_t> bounded =
+  // the balls that are left. Precondition: as send_to_device(), for all balls.
+  std::vector<std::uint32_t> mesh_beside_device(const std::vector<std::uint32_t>& balls) {
+    const std::vector<std::uint32_t> rest =
         collect<std::uint32_t>(balls.size(), [&](std::size_t i, std::vector<std::uint32_t>& found) {
           const PatchProgress* const progress = progress_[balls[i]].get();
-          if (progress && progress->is_triangulated) found.push_back(balls[i]);
+          if (progress && progress->is_triangulated && !on_device_->job(balls[i])) {
+            found.push_back(balls[i]);
+          }
         });
+    const double busy = busy_time(on_device_->sent(), boundaries_meanwhile_);
     const std::size_t given = options_.device_work == DeviceWork::all
-                                  ? bounded.size()
-                                  : patches_for_device(bounded.size());
-    if (given == 0) return balls;
-    jobs_.resize(given);
-    for_each_index(given, [&](std::size_t i) {
-      const std::uint32_t b = bounded[i];
-      const double r = t_.balls[b].radius;
-      jobs_[i] = {progress_[b].get(), edge_lengths_[b] / r, areas_[b] / (r * r), demand,
-                  &patches_[b]};
+                                  ? rest.size()
+                                  : patches_for_device(rest.size(), busy);
+    send_to_device(std::span(rest).first(given));
+    const std::span<const std::uint32_t> of_host = std::span(rest).subspan(given);
+    on_device_->finish([&] {
+      tbb::parallel_for(std::size_t{0}, of_host.size(), [&](std::size_t i) {
+        mesh_ball(of_host[i], Demand::quality, PatchStage::triangles);
+        advance(options_.monitor, 1);
+      });
     });
-    beside([&] { device_->mesh(jobs_, options_.monitor); },
-           [&] {
-             tbb::parallel_for(given, bounded.size(), [&](std::size_t i) {
-               mesh_ball(bounded[i], demand, PatchStage::triangles);
-               advance(options_.monitor, 1);
-             });
-           });
-    return left_by_device(balls, bounded);
+    return on_device_->take_results(balls, of_host, patches_, stats_);
   }
 
-  // Takes what the device has meshed of `bounded`, of which it was given the first ones, and
-  // returns the balls that neither it nor the host has meshed.
-  std::vector<std::uint32_t> left_by_device(const std::vector<std::uint32_t>& balls,
-                                            const std::vector<std::uint32_t>& bounded) {
-    kept_.assign(t_.balls.size(), kNoIndex);
-    tbb::parallel_for(std::size_t{0}, jobs_.size(), [&](std::size_t i) {
-      if (jobs_[i].is_kept) {
-        kept_[bounded[i]] = static_cast<std::uint32_t>(i);
-      } else if (jobs_[i].is_done && !jobs_[i].mesh->triangles.empty()) {
-        finish(bounded[i], *jobs_[i].mesh);
-      }
-    });
-    std::vector<std::uint32_t> done, left;
-    for (std::size_t i = 0; i < bounded.size(); ++i) {
-      if (i >= jobs_.size() || jobs_[i].is_done) done.push_back(bounded[i]);
-    }
-    stats_.left_patches += bounded.size() - done.size();
-    stats_.device_patches += jobs_.size() - (bounded.size() - done.size());
-    std::ranges::set_difference(balls, done, std::back_inserter(left));
-    return left;
-  }
-
-  // Works on a device, on a thread of its own, and on the host at the same time.
-  template <class OnDevice, class OnHost>
-  static void beside(const OnDevice& on_device, const OnHost& on_host) {
-    FirstError error;
-    {
-      const std::jthread device([&] { error.guard(on_device); });
-      error.guard(on_host);
-    }
-    error.rethrow();
-  }
-
-  // The job of a ball whose patch the device keeps, or null.
   const PatchJob* kept_job(std::uint32_t ball) const {
-    return kept_.empty() || kept_[ball] == kNoIndex ? nullptr : &jobs_[kept_[ball]];
+    return on_device_ ? on_device_->kept_job(ball) : nullptr;
   }
 
   // The progress of a ball's patch, after the splits of the last round.
@@ -394,19 +397,21 @@ class UnionMesher {
   // the numbers that the sampling has given them, then the interior points ball by ball; the
   // patches of other processes are empty here. Every ball writes to index ranges of its own, from
   // first_vertex and first_triangle on, so balls run in parallel. A patch is freed once it is
-  // copied. The device writes what it has kept, while the host writes the rest.
+  // copied. The device writes what it has kept, while the host writes corners and arcs; then come
+  // the patches of the host, over whatever the device has written there.
   void assemble(UnnumberedPiece& piece) {
     IndexedMesh& mesh = piece.mesh;
     MeshPlacement placement(t_, boundary_, sampling_, index_, share_);
     std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
         first_triangle(t_.balls.size() + 1);
     first_vertex[0] = placement.corners() + placement.points();
-    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
-      const PatchJob* const kept = kept_job(b);
-      first_vertex[b + 1] = first_vertex[b] + (kept ? kept->interior : patches_[b].interior.size());
-      first_triangle[b + 1] =
-          first_triangle[b] + (kept ? kept->triangles : patches_[b].triangles.size());
-    }
+    for_each_index(t_.balls.size(), [&](std::size_t b) {
+      const PatchJob* const kept = kept_job(static_cast<std::uint32_t>(b));
+      first_vertex[b + 1] = kept ? kept->interior : patches_[b].interior.size();
+      first_triangle[b + 1] = kept ? kept->triangles : patches_[b].triangles.size();
+    });
+    std::partial_sum(first_vertex.begin(), first_vertex.end(), first_vertex.begin());
+    std::partial_sum(first_triangle.begin(), first_triangle.end(), first_triangle.begin());
     placement.find_elsewhere(
         [&](std::uint32_t b) { return first_triangle[b + 1] > first_triangle[b]; },
         first_vertex.back());
@@ -421,45 +426,40 @@ class UnionMesher {
                       vertices, kMaxVertices));
     }
     make_room(mesh, {first_vertex.back(), first_triangle.back()}, kPatchArrays);
-    const auto place_on_host = [&] {
+    const auto place_arcs = [&] {
       placement.place_corners(mesh);
       placement.place_arcs(mesh);
-      tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
-        const auto ball = static_cast<std::uint32_t>(b);
-        placement.place_patch(patches_[b], ball, first_vertex[b], first_triangle[b], mesh);
-        patches_[b] = {};
-      });
+      // What the device has kept is not wanted any more by the host.
+      for_each_index(progress_.size(), [&](std::size_t b) { progress_[b].reset(); });
     };
-    if (kept_.empty()) return place_on_host();
-    beside([&] { place_kept(placement, first_vertex, first_triangle, mesh); }, place_on_host);
+    if (on_device_) {
+      beside([&] { place_kept(first_vertex, first_triangle, mesh); }, place_arcs);
+    } else {
+      place_arcs();
+    }
+    tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
+      const auto ball = static_cast<std::uint32_t>(b);
+      placement.place_patch(patches_[b], ball, first_vertex[b], first_triangle[b], mesh);
+      patches_[b] = {};
+    });
   }
 
   // Lets the device write the patches that it keeps.
-  void place_kept(const MeshPlacement& placement, const std::vector<std::uint64_t>& first_vertex,
+  void place_kept(const std::vector<std::uint64_t>& first_vertex,
                   const std::vector<std::uint64_t>& first_triangle, IndexedMesh& mesh) {
-    std::vector<std::uint32_t> balls;
-    std::vector<PatchPlace> places;
-    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
-      if (kept_[b] == kNoIndex) continue;
-      balls.push_back(b);
-      const auto points = static_cast<std::uint32_t>(progress_[b]->boundary.points.size());
-      places.push_back(
-          {kept_[b], points, t_.balls[b], t_.ids[b], first_vertex[b], first_triangle[b]});
-    }
-    const auto boundary = [&](std::size_t i, std::span<std::uint32_t> out) {
-      const std::uint32_t b = balls[i];
-      std::vector<std::uint32_t> vertices;
-      placement.boundary_vertices(b, vertices);
-      const std::vector<std::uint32_t> numbers =
-          gathered_numbers(boundary_, sampling_, index_, b, progress_[b]->boundary);
-      for (std::size_t k = 0; k < numbers.size(); ++k) out[k] = vertices[numbers[k]];
-      progress_[b].reset();
-    };
-    device_->place({places, std::ldexp(1.0, t_.scale_exponent), boundary}, mesh);
+    const std::vector<PatchPlace> places =
+        collect<PatchPlace>(t_.balls.size(), [&](std::size_t b, std::vector<PatchPlace>& found) {
+          const PatchJob* const kept = kept_job(static_cast<std::uint32_t>(b));
+          if (!kept) return;
+          found.push_back({kept->kept, kept->interior, kept->triangles, t_.balls[b], t_.ids[b],
+                           first_vertex[b], first_triangle[b]});
+        });
+    device_->place({places, std::ldexp(1.0, t_.scale_exponent), sampling_.first_vertices()}, mesh);
+    device_->forget();
   }
 
   ExactMeshOptions options_;
-  PatchDevice* device_;  // or null
+  PatchDevice* device_ = nullptr;
   MeshTeam& team_;
   const PlacedBalls& t_;
   const std::vector<double>& areas_;  // by ball
@@ -478,12 +478,12 @@ class UnionMesher {
   // By ball; empty for balls that have not begun or have finished.
   std::vector<std::unique_ptr<PatchProgress>> progress_;
   std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
-  std::vector<PatchJob> jobs_;      // what the device was given
-  // By ball: its job, if the device keeps its patch; else kNoIndex. Empty without a device.
-  std::vector<std::uint32_t> kept_;
   // By ball. The elements are bytes and not bits, because several threads set them.
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
+  // Empty without a device. It comes last: its thread, which ends with it, reads the others.
+  std::optional<DevicePatches> on_device_;
+  std::size_t boundaries_meanwhile_ = 0;  // that were looked at since the device began
 };
 
 }  // namespace

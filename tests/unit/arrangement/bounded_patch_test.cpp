@@ -6,7 +6,10 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,46 +25,47 @@
 namespace vdwmesh::testing {
 namespace {
 
-// Meshes the jobs one after another on the host, in memory like a device's. Every second result is
-// kept until it has a place in the mesh. With `room` other than 1, patches get more or less room
-// than they are thought to need.
+// Meshes the jobs one after another on the host, in memory like a device's, and keeps the results
+// until they have a place in the mesh. With `room` other than 1, patches get more or less room than
+// they are thought to need. It looks at two jobs at a time, so that some are withdrawn before.
 class HostedDevice final : public PatchDevice {
  public:
   explicit HostedDevice(double room = 1) : room_(room) {}
 
-  void mesh(std::span<PatchJob> jobs, Monitor*) override {
-    std::vector<std::uint32_t> which(jobs.size());
-    for (std::uint32_t j = 0; j < which.size(); ++j) which[j] = j;
-    const PatchBatch batch(jobs, which);
-    std::vector<std::byte> input(batch.input_bytes());
-    batch.pack(input.data());
-    patches += batch.patches().size();
-    kept_.assign(jobs.size(), {});
-    for (std::size_t i = 0; i < batch.patches().size(); ++i) {
-      PatchJob& job = jobs[batch.job(i)];
-      BoundedPatch patch = batch.patches()[i];
-      patch.work = 0;
-      // Never less than what the boundary takes.
-      const double most = room_ * static_cast<double>(patch.sizes.most_points);
-      patch.sizes.most_points = std::max(
-          {patch.sizes.points, patch.sizes.plane_triangles / 2, static_cast<std::uint32_t>(most)});
-      // Guards behind the work memory show whether anything was written beyond it.
-      std::vector<std::byte> work(vdwmesh::work_bytes(patch.sizes) + kGuard, std::byte{0x5a});
-      const PatchOutcome out =
-          mesh_bounded_patch(patch, {input.data(), work.data(), batch.lattice().data()});
-      broken_guards += std::any_of(work.end() - kGuard, work.end(),
-                                   [](std::byte b) { return b != std::byte{0x5a}; });
-      take(out, job);
-      if (job.is_done && batch.job(i) % 2 == 0) keep(job, kept_[batch.job(i)]);
+  void mesh(const PatchOrder& order) override {
+    ++orders;
+    for (std::uint32_t j = 0; j < order.jobs.size(); j += 2) {
+      std::vector<std::uint32_t> which{j};
+      if (j + 1 < order.jobs.size()) which.push_back(j + 1);
+      std::optional<PatchBatch> batch;
+      std::vector<std::byte> input;
+      std::vector<PointSource> sources;
+      order.look([&] {
+        batch.emplace(order.jobs, which);
+        input.resize(batch->input_bytes());
+        sources.resize(batch->first_sources().back());
+        batch->pack(input.data());
+        batch->pack_sources(order.sources, sources.data());
+      });
+      withdrawn += which.size() - batch->patches().size();
+      patches += batch->patches().size();
+      for (std::size_t i = 0; i < batch->patches().size(); ++i) {
+        const std::span<const PointSource> of_patch(
+            sources.data() + batch->first_sources()[i],
+            batch->first_sources()[i + 1] - batch->first_sources()[i]);
+        mesh_one(batch->patches()[i], input.data(), batch->lattice().data(), of_patch,
+                 order.jobs[batch->job(i)]);
+      }
     }
   }
 
   void place(const PatchPlaces& all, IndexedMesh& mesh) override {
-    for (std::size_t i = 0; i < all.places.size(); ++i) {
-      const PatchPlace& to = all.places[i];
-      const PatchMesh& patch = kept_[to.job];
-      std::vector<std::uint32_t> vertices(to.boundary_points);
-      all.boundary_vertices(i, vertices);
+    for (const PatchPlace& to : all.places) {
+      const Kept& patch = kept_[to.kept];
+      std::vector<std::uint32_t> vertices;
+      for (const PointSource& source : patch.sources) {
+        vertices.push_back(source.vertex(all.first_vertices.data()));
+      }
       for (std::size_t k = 0; k < patch.interior.size(); ++k) {
         const std::size_t v = to.first_vertex + k;
         mesh.positions[v] = all.unit * (to.sphere.center + to.sphere.radius * patch.interior[k]);
@@ -78,33 +82,48 @@ class HostedDevice final : public PatchDevice {
     }
   }
 
-  std::size_t placed = 0, patches = 0, no_room = 0, undecided = 0, broken_guards = 0;
+  void forget() override { kept_.clear(); }
+
+  std::size_t orders = 0, placed = 0, patches = 0, withdrawn = 0;
+  std::size_t no_room = 0, undecided = 0, broken_guards = 0;
 
  private:
-  void take(const PatchOutcome& out, PatchJob& job) {
+  struct Kept {
+    std::vector<Vec3d> interior;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::vector<PointSource> sources;
+  };
+
+  void mesh_one(BoundedPatch patch, std::byte* input, const Vec3d* lattice,
+                std::span<const PointSource> sources, PatchJob& job) {
+    patch.work = 0;
+    // Never less than what the boundary takes.
+    const double most = room_ * static_cast<double>(patch.sizes.most_points);
+    patch.sizes.most_points = std::max(
+        {patch.sizes.points, patch.sizes.plane_triangles / 2, static_cast<std::uint32_t>(most)});
+    // Guards behind the work memory show whether anything was written beyond it.
+    std::vector<std::byte> work(vdwmesh::work_bytes(patch.sizes) + kGuard, std::byte{0x5a});
+    const PatchOutcome out = mesh_bounded_patch(patch, {input, work.data(), lattice});
+    broken_guards += std::any_of(work.end() - kGuard, work.end(),
+                                 [](std::byte b) { return b != std::byte{0x5a}; });
     no_room += out.failure == PatchFailure::no_room;
     undecided += out.failure == PatchFailure::undecided;
     if (out.failure != PatchFailure::none) return;
-    *job.mesh = {};
-    job.mesh->interior.assign(out.first_interior, out.first_interior + out.interior);
-    job.mesh->triangles.assign(out.first_triangle, out.first_triangle + out.triangles);
-    job.mesh->splits.assign(out.first_split, out.first_split + out.splits);
-    sort_requests(job.mesh->splits);
     job.is_done = true;
-  }
-
-  static void keep(PatchJob& job, PatchMesh& kept) {
-    if (job.mesh->triangles.empty()) return;
-    job.is_kept = true;
-    job.interior = static_cast<std::uint32_t>(job.mesh->interior.size());
-    job.triangles = static_cast<std::uint32_t>(job.mesh->triangles.size());
-    std::swap(kept.interior, job.mesh->interior);
-    std::swap(kept.triangles, job.mesh->triangles);
+    job.splits.assign(out.first_split, out.first_split + out.splits);
+    sort_requests(job.splits);
+    job.is_kept = out.triangles > 0;
+    job.interior = out.interior;
+    job.triangles = out.triangles;
+    job.kept = kept_.size();
+    kept_.push_back({{out.first_interior, out.first_interior + out.interior},
+                     {out.first_triangle, out.first_triangle + out.triangles},
+                     {sources.begin(), sources.end()}});
   }
 
   static constexpr std::ptrdiff_t kGuard = 64;
   double room_;
-  std::vector<PatchMesh> kept_;  // by job
+  std::vector<Kept> kept_;  // by PatchJob::kept
 };
 
 void expect_same_mesh(const SphereSet& spheres, double edge_length, HostedDevice& device) {
@@ -125,7 +144,7 @@ class BoundedPatches : public ::testing::TestWithParam<const char*> {};
 TEST_P(BoundedPatches, SameBitsAndFewFailures) {
   const std::string file = "reference/" + std::string(GetParam()) + ".xyzr";
   VDWMESH_NEEDS_SHARED(file);
-  std::size_t failed = 0, patches = 0;
+  std::size_t failed = 0, patches = 0, withdrawn = 0;
   for (const double probe : {0.0, 1.4}) {
     const SphereSet spheres = read_xyzr(shared_path(file), probe);
     for (const double edge_length : {0.5, 0.35, 0.2}) {
@@ -133,11 +152,14 @@ TEST_P(BoundedPatches, SameBitsAndFewFailures) {
       HostedDevice device;
       expect_same_mesh(spheres, edge_length, device);
       EXPECT_GT(device.placed, 0u);
+      EXPECT_GT(device.orders, 1u);
+      withdrawn += device.withdrawn;
       failed += device.no_room + device.undecided;
       patches += device.patches;
     }
   }
   EXPECT_GT(patches, 0u);
+  EXPECT_GT(withdrawn, 0u);
   EXPECT_LE(1000 * failed, patches);
 }
 INSTANTIATE_TEST_SUITE_P(Molecules, BoundedPatches,
@@ -187,8 +209,11 @@ TEST(BoundedPatchFailures, NearlyDegenerateSets) {
 TEST(DeviceBatches, LeaveRoomForTheirResults) {
   PatchProgress progress;
   progress.boundary.points.resize(20);
-  const std::vector<PatchJob> jobs(
-      2000, PatchJob{&progress, 0.2, 1.0, Demand::quality, /*mesh=*/nullptr});
+  PatchJob job{};
+  job.progress = &progress;
+  job.edge_length = 0.2;
+  job.area = 1;
+  const std::vector<PatchJob> jobs(2000, job);
   const PatchSizes sizes = sizes_of(jobs.front());
   ASSERT_TRUE(is_for_device(sizes));
   const std::size_t kept = sizes.most_points * sizeof(Vec3d);  // and triangles besides

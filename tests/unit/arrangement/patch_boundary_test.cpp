@@ -113,6 +113,21 @@ void expect_same(const PatchBoundary& split, const std::vector<std::uint32_t>& n
   }
 }
 
+// The sources of a boundary's points lead to the vertices that the points of the gathered one have.
+void expect_sources(const BoundaryArcs& arcs, const ArcSampling& sampling, const PatchIndex& index,
+                    std::uint32_t ball, const PatchBoundary& split,
+                    const std::vector<std::uint32_t>& numbers) {
+  constexpr PointSource kUnset{1u << 30, 1u << 30};
+  std::vector<PointSource> sources(split.points.size(), kUnset);
+  point_sources(arcs, sampling, ball, split, sources);
+  std::vector<std::uint32_t> vertices;
+  boundary_vertices(arcs, sampling, index, ball, vertices);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    ASSERT_NE(sources[i].offset, kUnset.offset);
+    EXPECT_EQ(sources[i].vertex(sampling.first_vertices().data()), vertices[numbers[i]]);
+  }
+}
+
 TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
   testing::Dice dice(3);
   std::vector<Sphere> spheres;
@@ -140,13 +155,16 @@ TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
       }
     }
     sampling.split(splits);
+    sampling.number_vertices();
     for (std::uint32_t b = 0; b < balls; ++b) {
       std::vector<SplitChain> chains;
       split_pieces(arcs, sampling, triangulation.balls[b], b, splits, boundaries[b], chains);
       PatchBoundary gathered;
       gather_boundary(triangulation, arcs, sampling, index, b, gathered);
-      expect_same(boundaries[b], gathered_numbers(arcs, sampling, index, b, boundaries[b]),
-                  gathered);
+      const std::vector<std::uint32_t> numbers =
+          gathered_numbers(arcs, sampling, index, b, boundaries[b]);
+      expect_same(boundaries[b], numbers, gathered);
+      expect_sources(arcs, sampling, index, b, boundaries[b], numbers);
     }
   }
 }

@@ -1,0 +1,123 @@
+// The patches that UnionMesher gives a device, and the thread that makes it mesh them while the
+// rounds go on.
+//
+// A patch none of whose pieces is split in a round is given to the device at once, though a later
+// round may still split one of them: of 4,556 patches of haemoglobin, 1,910 are quiet in the second
+// round, and 1,824 of them stay so. If one does not, it is withdrawn, and its result is dropped.
+// The device reads boundaries and triangulations, which the rounds change; so host and device take
+// turns: the device looks at them between two rounds.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "arrangement/many_unions.hpp"
+#include "arrangement/mesher/patch_device.hpp"
+#include "core/fixed_blocks.hpp"
+
+namespace vdwmesh {
+
+// Turns of one host and of any number of readers. The host has its turn at first.
+class HostTurns {
+ public:
+  // Lets the readers that wait go first, then goes on with the host's turn.
+  void let_read();
+  // Ends the host's turn: from now on, readers need not wait.
+  void end() noexcept;
+  void read(const std::function<void()>& look);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_hosts_turn_ = true;
+  std::size_t readers_ = 0;  // that read or wait
+};
+
+class DevicePatches {
+ public:
+  using Sources = std::function<void(const PatchJob&, std::span<PointSource>)>;
+
+  // For patches of so many balls. `sources` as in PatchOrder. Keeps references.
+  DevicePatches(PatchDevice& device, std::size_t balls, Sources sources, Monitor* monitor);
+  // Withdraws everything that the device has not begun, and waits for the rest.
+  ~DevicePatches();
+  DevicePatches(const DevicePatches&) = delete;
+  DevicePatches& operator=(const DevicePatches&) = delete;
+
+  // These are for the host, in its turn.
+  // Sends the jobs make(0), ..., make(count - 1). The device begins as soon as it has nothing else
+  // to do, with all that was sent until then. No ball may be sent more than twice.
+  template <class Make>
+  void send(std::size_t count, const Make& make) {
+    const std::size_t first = jobs_.size();
+    jobs_.resize(first + count);
+    for_each_index(count, [&](std::size_t i) {
+      PatchJob& job = jobs_[first + i] = make(i);
+      job_of_[job.ball] = &job;
+      was_sent_[job.ball] = 1;
+    });
+    tell_thread();
+  }
+  void withdraw(std::uint32_t ball);
+  void let_read() { turns_.let_read(); }
+  // The job of a ball, if it was sent and not withdrawn; else null.
+  const PatchJob* job(std::uint32_t ball) const { return job_of_[ball]; }
+  // The same, if the device keeps its result. To be asked once the device has finished.
+  const PatchJob* kept_job(std::uint32_t ball) const {
+    return job(ball) && job(ball)->is_kept ? job(ball) : nullptr;
+  }
+  bool was_sent(std::uint32_t ball) const { return was_sent_[ball] != 0; }
+  // How many jobs were sent.
+  std::size_t sent() const { return jobs_.size(); }
+
+  // Ends the host's turns and calls on_host(). Returns when this has returned and the device has
+  // finished; then all is set in the jobs. Throws what the device or on_host() has thrown.
+  template <class OnHost>
+  void finish(const OnHost& on_host) {
+    FirstError error;
+    turns_.end();
+    error.guard(on_host);
+    end_thread();
+    error.rethrow();
+    error_.rethrow();
+  }
+  // After finish(): writes the requests of all patches that the device has meshed to `patches`, and
+  // counts these. Returns those of `balls` that neither it nor the host, which has meshed
+  // `of_host`, has meshed.
+  std::vector<std::uint32_t> take_results(std::span<const std::uint32_t> balls,
+                                          std::span<const std::uint32_t> of_host,
+                                          std::vector<PatchMesh>& patches,
+                                          ExactMeshStats& stats) const;
+
+ private:
+  void tell_thread();
+  void end_thread() noexcept;
+  void work();
+
+  PatchDevice& device_;
+  Sources sources_;
+  Monitor* monitor_;
+  HostTurns turns_;
+  std::vector<PatchJob*> job_of_;       // by ball
+  std::vector<std::uint8_t> was_sent_;  // by ball; bytes, since several threads set them
+  // All that were sent. They never move, since the device writes there: there is room for all.
+  std::vector<PatchJob> jobs_;
+  FirstError error_;  // of the device
+
+  std::mutex mutex_;  // for what follows
+  std::condition_variable changed_;
+  std::size_t ready_ = 0;  // how many jobs the device may have
+  bool is_last_ = false;   // nothing more will be sent
+  std::jthread thread_;
+};
+
+// Works on a device, on a thread of its own, and on the host at the same time.
+void beside(const std::function<void()>& on_device, const std::function<void()>& on_host);
+
+}  // namespace vdwmesh
