@@ -48,11 +48,13 @@ void merge_splits(std::vector<PieceSplit>& splits) {
 
 std::vector<std::uint32_t> sides_of(const BoundaryArcs& boundary,
                                     std::span<const PieceSplit> splits) {
-  std::vector<std::uint32_t> sides;
-  for (const PieceSplit& s : splits) {
-    const auto& beside = boundary.arcs[s.piece.arc].balls;
-    sides.insert(sides.end(), beside.begin(), beside.end());
-  }
+  std::vector<std::uint32_t> sides =
+      collect<std::uint32_t>(splits.size(), [&](std::size_t i, std::vector<std::uint32_t>& found) {
+        const std::uint32_t arc = splits[i].piece.arc;
+        if (i > 0 && splits[i - 1].piece.arc == arc) return;
+        const auto& beside = boundary.arcs[arc].balls;
+        found.insert(found.end(), beside.begin(), beside.end());
+      });
   tbb::parallel_sort(sides.begin(), sides.end());
   sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
   return sides;

@@ -44,7 +44,8 @@ struct PointSource {
 
 // Sorts requests by piece and keeps one for each: that with the most halvings.
 void merge_splits(std::vector<PieceSplit>& splits);
-// The patches on both sides of the pieces, by BoundaryArc::balls: ascending, each once.
+// The patches on both sides of the pieces, by BoundaryArc::balls: ascending, each once. Splits are
+// sorted.
 std::vector<std::uint32_t> sides_of(const BoundaryArcs& boundary,
                                     std::span<const PieceSplit> splits);
 

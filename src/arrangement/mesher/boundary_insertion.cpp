@@ -22,6 +22,7 @@ class BoundaryInserter {
         projection_(projection),
         options_(options),
         circles_(scratch.circles),
+        is_swapped_(scratch.plane_is_swapped),
         plane_(scratch.plane),
         plane_points_(scratch.plane_points) {
     plane_points_.clear();
@@ -34,8 +35,9 @@ class BoundaryInserter {
     const bool goes_on = std::exchange(progress_.is_triangulated, false);
     if (options_.demand == Demand::validity) want_splits(flat().crossings(options_.monitor));
     if (!to_split_.empty()) return std::move(to_split_);
+    const bool is_unchanged = goes_on && progress_.chains.empty();
     if (!(goes_on && insert_chains())) insert_all();
-    if (to_split_.empty()) save();
+    if (to_split_.empty()) save(is_unchanged);
     return std::move(to_split_);
   }
 
@@ -52,9 +54,9 @@ class BoundaryInserter {
     return {boundary_, plane_points_};
   }
 
-  void save() {
+  void save(bool is_unchanged) {
     progress_.is_triangulated = true;
-    plane_.save(progress_.plane);
+    if (!is_swapped_ && !is_unchanged) plane_.save(progress_.plane);
     progress_.chains.clear();
   }
 
@@ -84,7 +86,11 @@ class BoundaryInserter {
   // Goes on with the triangulation of the last round: puts chains of pieces in place of the pieces
   // that were split. Returns false if a point cannot be inserted.
   bool insert_chains() {
-    plane_.resume(progress_.plane, &circles_);
+    if (is_swapped_) {
+      plane_.resume_swapped(points_of_chains(), &circles_);
+    } else {
+      plane_.resume(progress_.plane, &circles_);
+    }
     for (const SplitChain& c : progress_.chains) {
       const std::uint32_t last = c.first_part + c.parts - 2;
       plane_.remove_piece(boundary_.pieces[c.piece].from, boundary_.pieces[last].to);
@@ -98,6 +104,12 @@ class BoundaryInserter {
       if (crossed) break;
     }
     return true;
+  }
+
+  std::size_t points_of_chains() const {
+    std::size_t count = 0;
+    for (const SplitChain& c : progress_.chains) count += c.parts - 1;
+    return count;
   }
 
   bool insert_points_of(const SplitChain& c) {
@@ -130,6 +142,7 @@ class BoundaryInserter {
   const Stereographic& projection_;
   const PatchOptions& options_;
   const PointCircles& circles_;
+  bool is_swapped_;  // plane_ works in the arrays of the progress
   PlaneTriangulation& plane_;
   std::vector<PlanePoint>& plane_points_;
   std::vector<std::uint32_t> to_split_;

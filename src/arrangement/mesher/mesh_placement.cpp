@@ -42,7 +42,7 @@ void MeshPlacement::find_elsewhere(const std::function<bool(std::uint32_t)>& has
         const auto ball = static_cast<std::uint32_t>(first_ball + i);
         if (!has_patch(ball)) return;
         std::vector<std::uint32_t> numbers;
-        vdwmesh::boundary_vertices(boundary_, sampling_, index_, ball, numbers);
+        boundary_vertices(boundary_, sampling_, index_, ball, numbers);
         for (const std::uint32_t number : numbers) {
           if (!is_own(number)) found.push_back(number);
         }
@@ -50,12 +50,6 @@ void MeshPlacement::find_elsewhere(const std::function<bool(std::uint32_t)>& has
   std::ranges::sort(elsewhere_);
   const auto repeats = std::ranges::unique(elsewhere_);
   elsewhere_.erase(repeats.begin(), repeats.end());
-}
-
-void MeshPlacement::boundary_vertices(std::uint32_t ball, std::vector<std::uint32_t>& out) const {
-  vdwmesh::boundary_vertices(boundary_, sampling_, index_, ball, out);
-  if (is_whole()) return;
-  for (std::uint32_t& v : out) v = local(v);
 }
 
 void MeshPlacement::place_corners(IndexedMesh& mesh) const {
@@ -84,7 +78,12 @@ void MeshPlacement::place_patch(const PatchMesh& patch, std::uint32_t ball,
   const Sphere& s = t_.balls[ball];
   const SphereId id = t_.ids[ball];
   std::vector<std::uint32_t> vertices;
-  boundary_vertices(ball, vertices);
+  vertices.reserve(patch.sources.size() + patch.interior.size());
+  const bool has_all = is_whole();
+  for (const PointSource& source : patch.sources) {
+    const std::uint32_t number = source.vertex(sampling_.first_vertices().data());
+    vertices.push_back(has_all ? number : local(number));
+  }
   for (std::size_t i = 0; i < patch.interior.size(); ++i) {
     const std::uint64_t v = first_vertex + i;
     mesh.positions[v] = unscaled(s.center + s.radius * patch.interior[i]);

@@ -43,15 +43,11 @@ class MeshPlacement {
                       std::uint64_t own_vertices);
   const std::vector<std::uint64_t>& elsewhere() const { return elsewhere_; }
 
-  // The vertices of the piece that the points of a ball's boundary are, as gather_boundary() lists
-  // them.
-  void boundary_vertices(std::uint32_t ball, std::vector<std::uint32_t>& out) const;
-
   // Both on all cores.
   void place_corners(IndexedMesh& mesh) const;
   void place_arcs(IndexedMesh& mesh) const;
   // Writes the interior vertices of the patch of a ball, from vertex first_vertex on, and its
-  // triangles, from first_triangle on. Its points are numbered as gather_boundary() lists them.
+  // triangles, from first_triangle on. The patch has its sources.
   void place_patch(const PatchMesh& patch, std::uint32_t ball, std::uint64_t first_vertex,
                    std::uint64_t first_triangle, IndexedMesh& mesh) const;
 

@@ -1,8 +1,8 @@
 // Gathers the boundary of one patch from the arcs around it, and the index needed for this.
 //
 // gather_pieces() numbers the corners of the patch first, in ascending order, then the other points
-// arc by arc. boundary_vertices() repeats this order, so that both lists match. union_mesher.cpp
-// calls them for every ball in each round of meshing.
+// arc by arc. split_pieces() adds points behind them in later rounds of meshing. point_sources()
+// says which vertices of the mesh they all become.
 #include "arrangement/mesher/patch_boundary.hpp"
 
 #include <algorithm>
@@ -266,27 +266,6 @@ void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, con
     const bool backwards = boundary.arcs[source.arc].balls[0] == side;
     chains.push_back(split_piece(s, sampling, backwards, 1u << split->halvings, p, out));
   }
-}
-
-std::vector<std::uint32_t> gathered_numbers(const BoundaryArcs& boundary,
-                                            const ArcSampling& sampling, const PatchIndex& index,
-                                            std::uint32_t ball, const PatchBoundary& points) {
-  std::vector<std::uint32_t> by_source(points.pieces.size());
-  std::iota(by_source.begin(), by_source.end(), 0u);
-  std::sort(by_source.begin(), by_source.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return points.pieces[a].source < points.pieces[b].source;
-  });
-  PointNumbers numbers(boundary, sampling, index.arcs(ball));
-  std::vector<std::uint32_t> found(points.points.size());
-  for (const std::uint32_t p : by_source) {
-    const BoundaryPiece& piece = points.pieces[p];
-    const auto [arc, k] = piece.source;
-    if (k == 0) numbers.begin_arc(arc);
-    const bool backwards = boundary.arcs[arc].balls[0] == ball;
-    found[piece.from] = numbers.of(backwards ? k + 1 : k);
-    found[piece.to] = numbers.of(backwards ? k : k + 1);
-  }
-  return found;
 }
 
 // Every point is an end of a piece.

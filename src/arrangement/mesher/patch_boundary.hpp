@@ -153,10 +153,6 @@ void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
 void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, const Sphere& s,
                   std::uint32_t side, std::span<const PieceSplit> splits, PatchBoundary& out,
                   std::vector<SplitChain>& chains);
-// The numbers that the points of an up-to-date boundary would have if it were gathered anew.
-std::vector<std::uint32_t> gathered_numbers(const BoundaryArcs& boundary,
-                                            const ArcSampling& sampling, const PatchIndex& index,
-                                            std::uint32_t ball, const PatchBoundary& points);
 // Writes the sources of the points of an up-to-date boundary, that of the patch `side`.
 void point_sources(const BoundaryArcs& boundary, const ArcSampling& sampling, std::uint32_t side,
                    const PatchBoundary& points, std::span<PointSource> out);

@@ -26,6 +26,9 @@ VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOp
   const PatchBoundary& boundary = progress.boundary;
   scratch.circles.assign(boundary);
   const Stereographic projection(buried_pole(boundary));
+  // A test of the boundary adds nothing that the next round may not have, so it needs no copy.
+  scratch.plane_is_swapped = options.stage == PatchStage::boundary && progress.is_triangulated;
+  if (scratch.plane_is_swapped) scratch.plane.swap(progress.plane);
   PatchMesh mesh;
   for (const std::uint32_t p : insert_boundary(progress, projection, options, scratch)) {
     mesh.splits.push_back({boundary.pieces[p].source, 1});
@@ -39,6 +42,7 @@ VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOp
     mesh.triangles = scratch.triangles;
     mesh.splits = scratch.splits;
   }
+  if (scratch.plane_is_swapped) scratch.plane.swap(progress.plane);
   sort_requests(mesh.splits);
   mesh.exact_tests = scratch.plane.exact_tests();
   return mesh;

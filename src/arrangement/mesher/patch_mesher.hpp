@@ -38,6 +38,8 @@ struct PatchMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   std::vector<PieceSplit> splits;                       // requests, each piece once
   std::uint64_t exact_tests = 0;  // tests that double precision did not decide
+  // Of the points of the boundary. mesh_patch() leaves it empty; UnionMesher fills it.
+  std::vector<PointSource> sources = {};
 };
 
 // Points spread evenly over the unit sphere, from which mesh_patch() takes interior points of a
@@ -74,6 +76,7 @@ struct PatchProgress {
 struct PatchScratch : PatchWork<GrowingMemory> {
   SpherePoints lattice;  // candidates for the interior points of a patch
   std::vector<PlanePoint> plane_points;
+  bool plane_is_swapped = false;  // `plane` works in the arrays of the progress
 };
 
 // Meshes a patch. Every triangle of the result faces outwards. No edge joins two points of one

@@ -104,14 +104,21 @@ class PatchTriangulator {
            boundary_.pieces[w.pieces[k]].from == w.vertices[corner_after(k)];
   }
 
-  // Calls visit(t, k) for every piece, with the triangle t on its left, whose edge k it is.
-  template <class Visit>
-  VDWMESH_HD void visit_pieces(const Visit& visit) const {
-    for (std::uint32_t t = 0; t < plane_.triangles().size(); ++t) {
+  // Lists every piece in work_.pieces, as 4 t + k for the triangle t on its left, whose edge k it
+  // is.
+  VDWMESH_HD void list_pieces() {
+    work_.pieces.clear();
+    const auto count = static_cast<std::uint32_t>(plane_.triangles().size());
+    for (std::uint32_t t = 0; t < count; ++t) {
       for (std::uint32_t k = 0; k < 3; ++k) {
-        if (is_left_of_piece(t, k)) visit(t, k);
+        if (is_left_of_piece(t, k)) work_.pieces.push_back(4 * t + k);
       }
     }
+  }
+  // Calls visit(t, k) for those listed.
+  template <class Visit>
+  VDWMESH_HD void visit_pieces(const Visit& visit) const {
+    for (const std::uint32_t listed : work_.pieces) visit(listed / 4, listed % 4);
   }
 
   // Marks the triangles inside the patch: those on the left of a piece, and all that can be reached
@@ -125,6 +132,7 @@ class PatchTriangulator {
       plane_.mark_inside(t);
       stack.push_back(t);
     };
+    list_pieces();
     visit_pieces([&](std::uint32_t t, std::uint32_t) { visit(t); });
     while (!stack.empty()) {
       const LinkedTriangle& w = plane_.triangle(stack.back());
@@ -153,7 +161,7 @@ class PatchTriangulator {
   // And it comes to an end: a point at the distance d from an arc is in no lens lower than d, and
   // the height of a lens falls by a factor of four with each split.
   VDWMESH_HD void split_leaks() {
-    Array<std::uint32_t>& leaks = work_.pieces;
+    Array<std::uint32_t>& leaks = numbers_;
     leaks.clear();
     double longest = 0;
     visit_pieces([&](std::uint32_t t, std::uint32_t k) {
@@ -199,12 +207,9 @@ class PatchTriangulator {
   }
 
   // Step (2): asks for splits of pieces that are long compared with the width of the patch there.
+  // Since no marks have leaked, each piece has one triangle inside the patch, on its left.
   VDWMESH_HD void find_long_pieces() {
-    visit_inside([&](std::uint32_t t) {
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        if (plane_.triangle(t).pieces[k] != kNoPiece) judge_piece(plane_.triangle(t), k);
-      }
-    });
+    visit_pieces([&](std::uint32_t t, std::uint32_t k) { judge_piece(plane_.triangle(t), k); });
   }
 
   // Judges the piece that is edge k of a triangle by the opposite vertex, and asks for a split if

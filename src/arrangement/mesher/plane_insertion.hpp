@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "arrangement/mesher/plane_triangulation.hpp"
 
@@ -62,6 +63,23 @@ void PlaneTriangulationOf<Memory>::resume(const State& state, const Circles* cir
   points_ = state.points;
   triangles_ = state.triangles;
   star_ = state.star;
+  reset_scratch(circles);
+}
+
+template <class Memory>
+void PlaneTriangulationOf<Memory>::swap(State& state) {
+  std::swap(largest_, state.largest);
+  std::swap(points_, state.points);
+  std::swap(triangles_, state.triangles);
+  std::swap(star_, state.star);
+}
+
+// A point makes two triangles more.
+template <class Memory>
+void PlaneTriangulationOf<Memory>::resume_swapped(std::size_t more_points, const Circles* circles) {
+  points_.reserve(points_.size() + more_points);
+  star_.reserve(star_.size() + more_points);
+  triangles_.reserve(triangles_.size() + 2 * more_points);
   reset_scratch(circles);
 }
 

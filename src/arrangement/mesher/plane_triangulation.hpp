@@ -48,6 +48,11 @@ class PlaneTriangulationOf : public PlaneTypes {
   // For going on from there later with resume().
   void save(State& state) const;
   void resume(const State& state, const Circles* circles);
+  // The same without a copy: between two calls of swap() with one state, the first followed by
+  // resume_swapped(), the triangulation works in the arrays of the state. There will be room for so
+  // many more points.
+  void swap(State& state);
+  void resume_swapped(std::size_t more_points, const Circles* circles);
   // Goes on from a state in other arrays, whose sizes are `points` and `triangles`.
   VDWMESH_HD void resume(double largest, const PlanePoint* plane_points, const std::uint32_t* star,
                          std::size_t points, const LinkedTriangle* linked, std::size_t triangles,

@@ -38,6 +38,7 @@
 #include "arrangement/mesher/mesh_placement.hpp"
 #include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
+#include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
@@ -195,19 +196,23 @@ class UnionMesher {
       mesh_ball(for_host[i], demand, stage);
       advance(options_.monitor, 1);
     });
-    for (const std::uint32_t b : balls) stats_.exact_tests += patches_[b].exact_tests;
+    stats_.exact_tests += sum_all(balls.size(), [&](std::size_t i, std::uint64_t& sum) {
+      sum += patches_[balls[i]].exact_tests;
+    });
   }
 
   // Gives up if a piece to be split is straight (kStraight). The split would not move any point off
   // the chord, so whatever crosses the piece or folds over it would do so with the halves as well.
   // The sagitta of an arc of radius r and angle a is r a² / 8 for small a.
   void check_straightness(const std::vector<PieceSplit>& splits) const {
-    for (const PieceSplit& s : splits) {
-      const BoundaryArc& arc = boundary_.arcs[s.piece.arc];
-      const double angle = sampling_.piece_angle(s.piece);
-      const double size = largest_coordinate(arc.center) + arc.radius;
-      if (arc.radius * angle * angle / 8 < kStraight * size) refuse(s.piece);
-    }
+    const auto is_straight = [&](std::size_t i) {
+      const ArcPiece& piece = splits[i].piece;
+      const BoundaryArc& arc = boundary_.arcs[piece.arc];
+      const double angle = sampling_.piece_angle(piece);
+      return arc.radius * angle * angle / 8 <
+             kStraight * (largest_coordinate(arc.center) + arc.radius);
+    };
+    if (const auto i = first_of_all(splits.size(), is_straight)) refuse(splits[*i].piece);
   }
 
   // Whether there is memory for this process's part of the pieces, with four triangles and two
@@ -226,10 +231,11 @@ class UnionMesher {
     const auto has_grown = [&](std::uint64_t now, std::uint64_t at_first) {
       return now > allowed_growth_ + 64 * at_first;
     };
-    for (const PieceSplit& s : splits) {
-      const std::uint32_t arc = s.piece.arc;
-      if (has_grown(sampling_.pieces(arc), pieces_of_arc_at_first_[arc])) refuse(s.piece);
-    }
+    const auto is_too_fine = [&](std::size_t i) {
+      const std::uint32_t arc = splits[i].piece.arc;
+      return has_grown(sampling_.pieces(arc), pieces_of_arc_at_first_[arc]);
+    };
+    if (const auto i = first_of_all(splits.size(), is_too_fine)) refuse(splits[*i].piece);
     if (fits && !has_grown(pieces, pieces_at_first_)) return;
     const auto& longest = *std::max_element(
         splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
@@ -288,7 +294,7 @@ class UnionMesher {
     if (on_device_->sent() > 0) boundaries_meanwhile_ += balls.size();
     std::vector<std::uint32_t> quiet;
     std::ranges::set_difference(balls, next, std::back_inserter(quiet));
-    // One that was withdrawn is sent again at the end only.
+    // One that was withdrawn waits for the end.
     std::erase_if(quiet, [&](std::uint32_t b) { return on_device_->was_sent(b); });
     if (options_.device_work == DeviceWork::all || quiet.size() >= kLeastPatchesForDevice) {
       send_to_device(quiet);
@@ -354,25 +360,20 @@ class UnionMesher {
     return *progress;
   }
 
-  // Gives the points of a finished patch the numbers that place_patch() expects, and frees what the
-  // rounds needed. If a piece is split after all, the patch begins anew.
+  // Notes which vertices the points of a finished patch will be, and frees what the rounds needed.
+  // If a piece is split after all, the patch begins anew.
   void finish(std::uint32_t ball, PatchMesh& patch) {
-    const std::vector<std::uint32_t> numbers =
-        gathered_numbers(boundary_, sampling_, index_, ball, progress_[ball]->boundary);
-    for (auto& triangle : patch.triangles) {
-      for (std::uint32_t& v : triangle) {
-        if (v < numbers.size()) v = numbers[v];
-      }
-    }
+    const PatchBoundary& points = progress_[ball]->boundary;
+    patch.sources.resize(points.points.size());
+    point_sources(boundary_, sampling_, ball, points, patch.sources);
     progress_[ball].reset();
   }
 
-  // The first ball of the list that has coincident points; kNoIndex if none has. It does not depend
-  // on which thread or process came first.
+  // The first ball of the list that has coincident points; kNoIndex if none has.
   std::uint32_t first_coincident(const std::vector<std::uint32_t>& balls) const {
-    const auto found = std::ranges::find_if(
-        balls, [&](std::uint32_t b) { return has_coincident_points_[b] != 0; });
-    return found == balls.end() ? kNoIndex : *found;
+    const auto i = first_of_all(
+        balls.size(), [&](std::size_t k) { return has_coincident_points_[balls[k]] != 0; });
+    return i ? balls[*i] : kNoIndex;
   }
 
   [[noreturn]] void refuse_coincident(std::uint32_t ball) const {
@@ -382,7 +383,7 @@ class UnionMesher {
         t_.ids[ball]));
   }
 
-  // The requests of all balls, sorted by piece, each piece once.
+  // Sorted by piece, each piece once.
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
     std::vector<PieceSplit> splits =
         collect<PieceSplit>(balls.size(), [&](std::size_t i, std::vector<PieceSplit>& found) {
