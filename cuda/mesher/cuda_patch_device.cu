@@ -47,13 +47,16 @@ class KeptRoom {
     }
     return room_.get();
   }
+  T* data() const { return room_.get(); }
 
  private:
   std::unique_ptr<T[]> room_;
   std::size_t size_ = 0;
 };
 
+// `batch` is empty, or packed, with its arrays in `input` and `sources`.
 struct HostRoom {
+  std::optional<PatchBatch> batch;
   KeptRoom<std::byte> input;
   KeptRoom<PointSource> sources;
   KeptRoom<PatchOutcome> outcomes;
@@ -110,21 +113,18 @@ void outlive_stream(KeptBatch& kept) {
   kept.sources.give_back_on(nullptr);
 }
 
-// Meshes the jobs `which` of an order, which will be the batch of this number, and keeps the
-// patches.
-KeptBatch mesh_batch(const PatchOrder& order, std::span<const std::uint32_t> which,
-                     std::uint32_t number, HostRoom& room, const Stream& stream) {
-  std::optional<PatchBatch> packed;
-  std::byte* input = nullptr;
-  PointSource* sources = nullptr;
-  order.look([&] {
-    packed.emplace(order.jobs, which);
-    input = room.input.take(packed->input_bytes());
-    sources = room.sources.take(packed->first_sources().back());
-    packed->pack(input);
-    packed->pack_sources(order.sources, sources);
-  });
-  const PatchBatch& batch = *packed;
+// To be called from PatchOrder::look().
+void pack_batch(const PatchOrder& order, std::span<const std::uint32_t> which, HostRoom& room) {
+  const PatchBatch& batch = room.batch.emplace(order.jobs, which);
+  batch.pack(room.input.take(batch.input_bytes()));
+  batch.pack_sources(order.sources, room.sources.take(batch.first_sources().back()));
+}
+
+// Meshes the batch in `room`, which has this number, and keeps the patches.
+KeptBatch mesh_batch(const PatchOrder& order, std::uint32_t number, HostRoom& room,
+                     const Stream& stream) {
+  const PatchBatch batch = std::move(*room.batch);
+  room.batch.reset();
   const auto count = static_cast<std::uint32_t>(batch.patches().size());
   // Patches with very short edges are left out, and those withdrawn.
   if (count == 0) return {};
@@ -136,8 +136,8 @@ KeptBatch mesh_batch(const PatchOrder& order, std::span<const std::uint32_t> whi
   const DeviceArray<BoundedPatch> patches(count, stream);
   const DeviceArray<Vec3d> lattice(batch.lattice().size(), stream);
   const DeviceArray<PatchOutcome> device_outcomes(count, stream);
-  upload_parts({{device_input.data(), input, device_input.bytes()},
-                {kept.sources.data(), sources, kept.sources.bytes()},
+  upload_parts({{device_input.data(), room.input.data(), device_input.bytes()},
+                {kept.sources.data(), room.sources.data(), kept.sources.bytes()},
                 {patches.data(), batch.patches().data(), patches.bytes()},
                 {lattice.data(), batch.lattice().data(), lattice.bytes()}},
                stream);
@@ -278,12 +278,20 @@ class CudaPatchDevice final : public PatchDevice {
     std::size_t free = 0, total = 0;
     check_cuda(cudaMemGetInfo(&free, &total), "memory");
     std::vector<std::vector<std::uint32_t>> batches;
-    order.look([&] { batches = batches_of(order.jobs, free); });
+    // The first batches of both threads are packed at once, so that the host has to wait for its
+    // next round only once, and the device does not wait for it.
+    for (HostRoom& room : rooms_) room.batch.reset();  // whatever a call that failed has left
+    order.look([&] {
+      batches = batches_of(order.jobs, free);
+      for (std::size_t i = 0; i < std::min(batches.size(), rooms_.size()); ++i) {
+        pack_batch(order, batches[i], rooms_[i]);
+      }
+    });
     const std::size_t before = kept_.size();
     kept_.resize(before + batches.size());
     for_each(batches.size(), [&](std::size_t i, HostRoom& room, const Stream& stream) {
-      kept_[before + i] =
-          mesh_batch(order, batches[i], static_cast<std::uint32_t>(before + i), room, stream);
+      if (!room.batch) order.look([&] { pack_batch(order, batches[i], room); });
+      kept_[before + i] = mesh_batch(order, static_cast<std::uint32_t>(before + i), room, stream);
       advance(order.monitor, batches[i].size());
     });
   }
@@ -306,14 +314,14 @@ class CudaPatchDevice final : public PatchDevice {
   }
 
  private:
-  // Calls work(i, room, stream) for i = 0 .. count - 1, on two threads.
+  // Calls work(i, room, stream) for i = 0 .. count - 1, on two threads. Thread i begins with i.
   template <class Work>
   void for_each(std::size_t count, const Work& work) {
-    std::atomic<std::size_t> next{0};
+    std::atomic<std::size_t> next{rooms_.size()};
     run_on_threads(std::min(count, rooms_.size()), [&](std::size_t thread) {
       check_cuda(cudaSetDevice(device_), "device");
       const Stream stream;
-      for (std::size_t i = next++; i < count; i = next++) work(i, rooms_[thread], stream);
+      for (std::size_t i = thread; i < count; i = next++) work(i, rooms_[thread], stream);
     });
   }
 

@@ -3,6 +3,7 @@
 #include "arrangement/mesher/device_patches.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <utility>
 
@@ -22,19 +23,30 @@ void HostTurns::end() noexcept {
   changed_.notify_all();
 }
 
+void HostTurns::announce() {
+  const std::lock_guard lock(mutex_);
+  ++readers_;
+}
+
+void HostTurns::retract() noexcept {
+  const std::lock_guard lock(mutex_);
+  --readers_;
+  changed_.notify_all();
+}
+
 void HostTurns::read(const std::function<void()>& look) {
+  announce();
+  read_announced(look);
+}
+
+void HostTurns::read_announced(const std::function<void()>& look) {
   {
     std::unique_lock lock(mutex_);
-    ++readers_;
     changed_.wait(lock, [&] { return !is_hosts_turn_; });
   }
   FirstError error;
   error.guard(look);
-  {
-    const std::lock_guard lock(mutex_);
-    --readers_;
-    changed_.notify_all();
-  }
+  retract();
   error.rethrow();
 }
 
@@ -67,6 +79,10 @@ void DevicePatches::withdraw(std::uint32_t ball) {
 void DevicePatches::tell_thread() {
   const std::lock_guard lock(mutex_);
   ready_ = jobs_.size();
+  if (is_idle_ && !is_announced_) {
+    turns_.announce();
+    is_announced_ = true;
+  }
   changed_.notify_all();
 }
 
@@ -80,19 +96,39 @@ void DevicePatches::end_thread() noexcept {
 }
 
 void DevicePatches::work() {
-  const auto look = [this](const std::function<void()>& f) { turns_.read(f); };
   std::size_t begun = 0;
   while (true) {
     std::span<PatchJob> jobs;
+    bool is_announced = false;
     {
       std::unique_lock lock(mutex_);
+      is_idle_ = true;
       changed_.wait(lock, [&] { return is_last_ || begun < ready_; });
+      is_idle_ = false;
       if (begun == ready_) return;
       jobs = {jobs_.data() + begun, ready_ - begun};
       begun = ready_;
+      is_announced = std::exchange(is_announced_, false);
     }
-    device_.mesh({jobs, look, sources_, monitor_});
+    mesh(jobs, is_announced);
   }
+}
+
+// The first look is the one that was announced, if there is one. If it does not come to that, the
+// host must not wait for it.
+void DevicePatches::mesh(std::span<PatchJob> jobs, bool is_announced) {
+  std::atomic<bool> announced = is_announced;
+  const auto look = [&](const std::function<void()>& f) {
+    if (announced.exchange(false)) {
+      turns_.read_announced(f);
+    } else {
+      turns_.read(f);
+    }
+  };
+  FirstError error;
+  error.guard([&] { device_.mesh({jobs, look, sources_, monitor_}); });
+  if (announced.exchange(false)) turns_.retract();
+  error.rethrow();
 }
 
 std::vector<std::uint32_t> DevicePatches::take_results(std::span<const std::uint32_t> balls,

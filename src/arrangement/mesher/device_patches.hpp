@@ -30,13 +30,18 @@ class HostTurns {
   void let_read();
   // Ends the host's turn: from now on, readers need not wait.
   void end() noexcept;
+  // Says that a reader will come; let_read() waits for it. Either it calls read_announced(), or it
+  // is retracted.
+  void announce();
+  void retract() noexcept;
   void read(const std::function<void()>& look);
+  void read_announced(const std::function<void()>& look);
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   bool is_hosts_turn_ = true;
-  std::size_t readers_ = 0;  // that read or wait
+  std::size_t readers_ = 0;  // that read or wait, or are announced
 };
 
 class DevicePatches {
@@ -52,9 +57,11 @@ class DevicePatches {
 
   // These are for the host, in its turn.
   // Sends the jobs make(0), ..., make(count - 1). The device begins as soon as it has nothing else
-  // to do, with all that was sent until then. No ball may be sent more than twice.
+  // to do, with all that was sent until then; if that is at once, the next let_read() waits until
+  // it has looked at them. No ball may be sent more than twice.
   template <class Make>
   void send(std::size_t count, const Make& make) {
+    if (count == 0) return;
     const std::size_t first = jobs_.size();
     jobs_.resize(first + count);
     for_each_index(count, [&](std::size_t i) {
@@ -99,6 +106,7 @@ class DevicePatches {
   void tell_thread();
   void end_thread() noexcept;
   void work();
+  void mesh(std::span<PatchJob> jobs, bool is_announced);
 
   PatchDevice& device_;
   Sources sources_;
@@ -112,8 +120,10 @@ class DevicePatches {
 
   std::mutex mutex_;  // for what follows
   std::condition_variable changed_;
-  std::size_t ready_ = 0;  // how many jobs the device may have
-  bool is_last_ = false;   // nothing more will be sent
+  std::size_t ready_ = 0;      // how many jobs the device may have
+  bool is_last_ = false;       // nothing more will be sent
+  bool is_idle_ = false;       // the thread waits for jobs
+  bool is_announced_ = false;  // and they are there: its first look is announced
   std::jthread thread_;
 };
 
