@@ -32,11 +32,12 @@ VDWMESH_HD inline float exponential(float x) {
   p = std::fmaf(r, p, 0.5f);
   p = std::fmaf(r, p, 1.0f);
   p = std::fmaf(r, p, 1.0f);
-  // The exponent field of the float 2^n is n + 127. For x >= -87 it is at least 1. For smaller x
-  // the result is 0 whatever the field is; clamping n keeps the integer arithmetic defined.
-  const float clamped = n < -126.0f ? -126.0f : n;
+  // The exponent field of the float 2^n is n + 127, at least 1 for x >= -87. The low bits of t are
+  // n modulo 2^22, since t is the constant plus n and the last place of such floats is 1: moved to
+  // the exponent field, they need no conversion of n. For smaller x the result is 0 whatever the
+  // field is.
   const float scale =
-      std::bit_cast<float>((static_cast<std::int32_t>(clamped) + 127) * (std::int32_t{1} << 23));
+      std::bit_cast<float>((std::bit_cast<std::uint32_t>(t) << 23) + (std::uint32_t{127} << 23));
   return x < -87.0f ? 0.0f : p * scale;
 }
 

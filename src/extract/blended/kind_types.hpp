@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 #include "core/host_device.hpp"
 #include "extract/field.hpp"
@@ -28,10 +29,12 @@ VDWMESH_HD inline ShapeParameters<T> shape_parameters(const FieldModel& m) {
 inline constexpr double kWindowRadii = 2.5;
 
 // The square root of the window w(q), the factor that ends a field smoothly: W (1 - k q) up to its
-// zero, then 0, with W = window_scale and k = inverse_cutoff.
+// zero, then 0, with W = window_scale and k = inverse_cutoff. Neither q nor k is below 0, so the
+// argument of positive_part() is at most 1.
 template <class T>
 VDWMESH_HD inline T window_root(const ShapeParameters<T>& p, T q) {
   const T u = std::fma(-q, p.inverse_cutoff, T(1));
+  if constexpr (std::is_same_v<T, float>) return p.window_scale * positive_part(u);
   return p.window_scale * (u > T(0) ? u : T(0));
 }
 

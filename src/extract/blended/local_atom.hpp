@@ -91,10 +91,10 @@ struct Strongest {
   std::uint32_t rank = 0;
   std::uint32_t atom = 0;
 
-  // Takes the candidate if it is larger than the maximum so far, or equal and of lower rank.
+  // Takes the candidate if it is larger than the maximum so far, or equal and of lower rank. While
+  // the maximum is 0, its rank is 0, and none is lower: a candidate of 0 is never taken.
   VDWMESH_HD void meet(float candidate, std::uint32_t candidate_rank, std::uint32_t index) {
-    if (candidate < value || !(candidate > 0)) return;
-    if (candidate == value && candidate_rank > rank) return;
+    if (!(candidate > value || (candidate == value && candidate_rank < rank))) return;
     value = candidate;
     rank = candidate_rank;
     atom = index;
