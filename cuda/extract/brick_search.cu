@@ -108,7 +108,7 @@ struct BlendedTest {
   bool stopped_early = false;  // see can_stop()
 
   __device__ explicit BlendedTest(const FieldContext& f)
-      : shape(shape_parameters<float>(f.model)), isovalue(static_cast<float>(f.model.isovalue)) {}
+      : shape(f.shape), isovalue(static_cast<float>(f.model.isovalue)) {}
   __device__ static float number(const FieldModel& m, const Sphere& s) {
     return static_cast<float>(inverse_square_scale(m, s.radius));
   }

@@ -20,6 +20,12 @@ inline constexpr unsigned kBrickThreads = kBrickWarps * kWarp;
 inline constexpr int kRows = kBrickReach * kBrickReach;  // 9 x 9 rows of nodes that the cells touch
 inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // 8 x 8 rows of own nodes, or of cells
 
+// Keeps the compiler from moving the load of a value behind what follows, for instance into the
+// branch that uses it: so loads that do not depend on each other are under way together.
+__device__ inline void load_now(std::uint64_t value) { asm volatile("" ::"l"(value)); }
+__device__ inline void load_now(std::uint32_t value) { asm volatile("" ::"r"(value)); }
+__device__ inline void load_now(float value) { asm volatile("" ::"f"(value)); }
+
 // Stores row (y, z) of the brick's signs. Bit x of `inside` says whether node x is inside; if the
 // node is virtual, its bit is ignored, and it is outside.
 __device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside, int y, int z,
@@ -165,16 +171,20 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
   const unsigned lane = threadIdx.x % kWarp;
   // The lanes may still be reading the vertices of the call before.
   __syncwarp();
+  const bool with_normals = mesh.normals != nullptr;
   for (int axis = 0; axis < 3; ++axis) {
     stage.position[3 * lane + static_cast<unsigned>(axis)] = vertex.position[axis];
-    stage.normal[3 * lane + static_cast<unsigned>(axis)] = vertex.normal[axis];
+    if (with_normals) stage.normal[3 * lane + static_cast<unsigned>(axis)] = vertex.normal[axis];
   }
   __syncwarp();
   auto* positions = reinterpret_cast<double*>(mesh.positions + first);
   auto* normals = reinterpret_cast<float*>(mesh.normals + first);
-  for (unsigned w = lane; w < 3 * count; w += kWarp) {
+#pragma unroll
+  for (unsigned turn = 0; turn < 3; ++turn) {
+    const unsigned w = lane + turn * kWarp;
+    if (w >= 3 * count) break;
     positions[w] = stage.position[w];
-    if (mesh.normals) normals[w] = stage.normal[w];
+    if (with_normals) normals[w] = stage.normal[w];
   }
   if (mesh.vertex_spheres.atoms && lane < count) {
     mesh.vertex_spheres.atoms[first + lane] = vertex.sphere;

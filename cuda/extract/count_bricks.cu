@@ -160,12 +160,13 @@ template <BlendedKind Kind>
 __device__ std::uint32_t sum_field(const FieldContext& f, BlendedShared& s, LaneRows& rows,
                                    NearPlaces<kKeptAtoms>& near) {
   std::uint32_t before = 0;  // atoms of the batches before
-  const NodeShape nodes = Kind::node_shape(f.model);
+  const NodeShape& nodes = f.nodes;
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
+  const NodePlane plane = plane_of_lane(s.geometry.brick, s.geometry.coordinate);
   return gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
     keep_places(s.stage.waiting, count, before, near);
-    share_terms<Kind>(f, nodes, count, s.geometry.brick, s.geometry.coordinate, s.stage, s.atoms);
+    share_terms<Kind>(f, nodes, count, plane, s.stage, s.atoms);
     add_atoms<Kind>(nodes, s, count, rows);
     // Never ends the gathering.
     return false;

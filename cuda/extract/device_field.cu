@@ -14,6 +14,7 @@
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/transfer.cuh"
 #include "extract/blended/field_formulas.hpp"
+#include "extract/field_kinds.hpp"
 #include "spheres/level_extent.hpp"
 
 namespace vdwmesh {
@@ -178,8 +179,16 @@ struct JoinedLists {
 
 }  // namespace
 
+FieldContext field_context(const CellListView& list, const FieldModel& model, const float4* rough) {
+  FieldContext f{list, model, {rough, model.grid.origin}, {}, {}};
+  if (model.kind == FieldKind::vdw) return f;
+  f.shape = shape_parameters<float>(model);
+  f.nodes = with_blended(model.kind, [&]<class Kind>(Kind) { return Kind::node_shape(model); });
+  return f;
+}
+
 DeviceField::DeviceField(const CellListView& list, const FieldModel& model, const Stream& stream)
-    : rough_(list.size, stream.get()), fields_{{list, model, {rough_.data(), model.grid.origin}}} {
+    : rough_(list.size, stream.get()), fields_{field_context(list, model, rough_.data())} {
   launch("round_spheres", round_spheres, over(list.size, kFieldThreads), stream, list, model,
          rounding_margin(list, model.grid), rough_.data());
 }
@@ -205,11 +214,10 @@ DeviceFieldStack::DeviceFieldStack(std::span<const HostField> fields, const Stre
   cell_start_ = DeviceArray<std::uint32_t>(places.back().cell, stream.get());
   std::vector<StackedField> stacked(fields.size());
   for (std::size_t f = 0; f < fields.size(); ++f) {
-    stacked[f].context = {
+    stacked[f].context = field_context(
         view_of(fields[f].list, spheres_.data() + places[f].sphere, rank_.data() + places[f].sphere,
                 id_.data() + places[f].sphere, cell_start_.data() + places[f].cell),
-        fields[f].model,
-        {rough_.data() + places[f].sphere, fields[f].model.grid.origin}};
+        fields[f].model, rough_.data() + places[f].sphere);
     stacked[f].rounding = rounding_margin(fields[f].list, fields[f].model.grid);
     stacked[f].first_layer = first_layers_[f];
     spacings_.push_back(fields[f].model.grid.spacing);

@@ -74,15 +74,29 @@ struct TriangleShared {
 
 // ---- the brick's own cells and rows ----
 
-// Copies the brick to shared memory, a word of 8 bytes a thread. The caller synchronises
-// afterwards.
-__device__ void copy_brick_once(const ActiveBrick& from, ActiveBrick& to) {
-  constexpr unsigned words = sizeof(ActiveBrick) / sizeof(std::uint64_t);
-  static_assert(words <= kTriangleThreads && sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
-  if (threadIdx.x >= words) return;
-  reinterpret_cast<std::uint64_t*>(&to)[threadIdx.x] =
-      reinterpret_cast<const std::uint64_t*>(&from)[threadIdx.x];
-}
+// What a thread loads of a brick: a word of 8 bytes of it, and a neighbour.
+struct BrickPart {
+  static constexpr unsigned kWords = sizeof(ActiveBrick) / sizeof(std::uint64_t);
+  static_assert(kWords <= kTriangleThreads && sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
+
+  std::uint64_t word;
+  std::uint32_t neighbour;
+
+  // Threads beyond the end repeat the last word or neighbour.
+  __device__ BrickPart(const ActiveBrick& brick, const TriangleNeighbours& near)
+      : word(reinterpret_cast<const std::uint64_t*>(
+            &brick)[threadIdx.x < kWords ? threadIdx.x : kWords - 1]),
+        neighbour(
+            near.place[threadIdx.x < kTriangleNeighbours ? threadIdx.x : kTriangleNeighbours - 1]) {
+    load_now(word);
+    load_now(neighbour);
+  }
+  // The caller synchronises afterwards.
+  __device__ void share(ActiveBrick& brick, TriangleNeighbours& near) const {
+    if (threadIdx.x < kWords) reinterpret_cast<std::uint64_t*>(&brick)[threadIdx.x] = word;
+    if (threadIdx.x < kTriangleNeighbours) near.place[threadIdx.x] = neighbour;
+  }
+};
 
 // Fills `cells`, `begins` and the brick's part of `shell`. Each warp has half of the 64 rows of
 // cells: first a lane for each row lists the row's mixed cells, then a lane for each mixed cell
@@ -184,9 +198,9 @@ __device__ std::uint32_t faces_crossed(std::uint32_t face_signs) {
 
 // The row with coordinates y and z = 0 .. 8, counted from the block's brick, of that brick (dx = 0)
 // or of the next one along x (dx = 1), where an upper neighbour owns it: if y or z is 8, as row 0
-// there. If that neighbour is not in the list, the result is an empty row; share_beyond() reports
-// the neighbour if the surface goes there. y >> 3 is the neighbour's offset, y & 7 the row in it.
-// `before_mesh`: the vertices of the list before those of the brick's mesh.
+// there. If that neighbour is not in the list, the result is an empty row; check_neighbours()
+// reports the neighbour if the surface goes there. y >> 3 is the neighbour's offset, y & 7 the row
+// in it. `before_mesh`: the vertices of the list before those of the brick's mesh.
 __device__ VertexRow row_beyond(const BrickList& list, std::uint64_t before_mesh,
                                 const TriangleNeighbours& near, int dx, int y, int z) {
   const std::uint32_t place = near.place[upper_neighbour(dx, y >> 3, z >> 3)];
@@ -199,95 +213,128 @@ __device__ VertexRow row_beyond(const BrickList& list, std::uint64_t before_mesh
   return {static_cast<std::uint32_t>(first), row_crossings(owner.signs, y, z).packed};
 }
 
-// Fills the rows of upper neighbours: the 17 of the brick's plane of rows with y or z = 8, and
-// those of the next brick along x if the surface crosses the face to it. By all threads.
+// The row (y, z) of the next brick along x, with y and z = 0 .. 7: of its nodes only the first is
+// used, which is node 8 of the row here, and of that node only the edges along x and y, which come
+// before others in numbers. So the signs of this brick tell all but the node after it.
+__device__ VertexRow row_across_x(const BrickSigns& here, const ActiveBrick& next,
+                                  std::uint32_t first, int y, int z) {
+  const std::uint32_t own = static_cast<std::uint32_t>(here.row[z][y]) >> kBrickSide;
+  const std::uint32_t behind = static_cast<std::uint32_t>(here.row[z][y + 1]) >> kBrickSide;
+  const std::uint32_t along_x = (own ^ static_cast<std::uint32_t>(next.signs.row[z][y]) >> 1) & 1u;
+  return {first + next.row_vertices[z * kBrickSide + y], along_x | (own ^ behind) << kBrickSide};
+}
+
+// Fills the rows of upper neighbours: the 17 rows with y or z = 8 of the brick's plane, by the
+// first warp, and if the surface crosses the face to the next brick along x, the same 17 of that
+// brick by the other warp, and its other 64 by a thread each.
 template <Connectivity connectivity>
 __device__ void share_rows_beyond(const BrickList& list, std::uint64_t before_mesh,
                                   std::uint32_t faces, TriangleShared<connectivity>& s) {
   constexpr int edge = 2 * kBrickReach - 1;
-  const int rows = (faces & 2u) != 0 ? edge + kRows : edge;
-  for (int i = static_cast<int>(threadIdx.x); i < rows; i += static_cast<int>(kTriangleThreads)) {
-    const int dx = i < edge ? 0 : 1, row = i - edge;
-    const int y = dx == 1 ? row % kBrickReach : (i < kBrickReach ? kBrickSide : i - kBrickReach);
-    const int z = dx == 1 ? row / kBrickReach : (i < kBrickReach ? i : kBrickSide);
+  const bool across_x = (faces & 2u) != 0;
+  const auto thread = static_cast<int>(threadIdx.x), lane = thread % static_cast<int>(kWarp);
+  const int dx = thread / static_cast<int>(kWarp);
+  if (lane < edge && (dx == 0 || across_x)) {
+    const int y = lane < kBrickReach ? kBrickSide : lane - kBrickReach;
+    const int z = lane < kBrickReach ? lane : kBrickSide;
     s.rows[dx * kRows + z * kBrickReach + y] = row_beyond(list, before_mesh, s.near, dx, y, z);
   }
+  const std::uint32_t next = s.near.place[upper_neighbour(1, 0, 0)];
+  // check_neighbours() reports a missing neighbour.
+  if (!across_x || next == kNoBrick) return;
+  const auto first = static_cast<std::uint32_t>(list.before[next].vertices - before_mesh);
+  const int y = thread % kBrickSide, z = thread / kBrickSide;
+  s.rows[kRows + z * kBrickReach + y] = row_across_x(s.brick.signs, list.bricks[next], first, y, z);
 }
 
-// Enters the mixed cells beyond a face, which are cells of the brick `owner`: by a warp, two cells
-// a lane. Across y and z, eight lanes have a row of cells, and a prefix sum over them gives the
-// triangles before each. Across x, a cell is the first of its row, or the last, whose triangles end
-// where the next row's begin. `first_half_edge` is the number of the owner's first half-edge.
+// The mixed cells beyond a face, which are cells of the brick `owner`, whose first half-edge has
+// the number `first_half_edge`. Cells are entered in the shell as it counts from this brick: eight
+// cells back from where the owner counts them, or on.
+struct CellsBeyond {
+  const ActiveBrick& owner;
+  std::uint32_t first_half_edge;
+};
+
+// Enters those across x, lower or upper: by a warp, two cells a lane. Each is the first cell of its
+// row, or the last, whose triangles end where the next row's begin.
 template <int face>
-__device__ void share_cells_beyond(const ActiveBrick& owner, std::uint32_t first_half_edge,
-                                   const CaseTable& table, Shell<Connectivity::half_edges>& shell) {
-  constexpr int axis = face / 2, layer = face % 2 == 0 ? kBrickSide - 1 : 0;
-  const auto lane = static_cast<int>(threadIdx.x % kWarp);
-  const int u = lane % kBrickSide;
+__device__ void share_cells_across_x(const CellsBeyond& beyond, const CaseTable& table,
+                                     Shell<Connectivity::half_edges>& shell) {
+  constexpr int x = face == 0 ? kBrickSide - 1 : 0, entered = face == 0 ? -1 : kBrickSide;
+  const ActiveBrick& owner = beyond.owner;
 #pragma unroll
   for (int half = 0; half < 2; ++half) {
-    const int v = lane / kBrickSide + half * (kBrickSide / 2);
-    const int x = axis == 0 ? layer : u;
-    const int y = axis == 0 ? u : (axis == 1 ? layer : v);
-    const int z = axis == 2 ? layer : v;
-    const int row = z * kBrickSide + y;
+    const int row = static_cast<int>(threadIdx.x % kWarp) + half * static_cast<int>(kWarp);
+    const int y = row % kBrickSide, z = row / kBrickSide;
     const std::uint32_t inside = cell_case(owner.signs, x, y, z), own = table.count(inside);
     std::uint32_t start = owner.row_triangles[row];
-    if constexpr (axis > 0) {
-      std::uint32_t sum = own;
-#pragma unroll
-      for (int step = 1; step < kBrickSide; step *= 2) {
-        const std::uint32_t below =
-            __shfl_up_sync(kAllLanes, sum, static_cast<unsigned>(step), kBrickSide);
-        if (u >= step) sum += below;
-      }
-      start += sum - own;
-    } else if constexpr (face == 0) {
+    if constexpr (face == 0) {
       start = (row + 1 < kOwnRows ? owner.row_triangles[row + 1] : owner.triangles) - own;
     }
     if (own == 0) continue;
-    // Eight cells back from the neighbour's cell, or on, as the shell counts from this brick.
-    constexpr int away = (face % 2 == 0 ? -kBrickSide : kBrickSide) * shell_step(axis);
-    const int cell = shell_cell(x, y, z) + away;
-    shell.first_half_edge[cell] = first_half_edge + 3 * start;
+    const int cell = shell_cell(entered, y, z);
+    shell.first_half_edge[cell] = beyond.first_half_edge + 3 * start;
     shell.inside[cell] = static_cast<std::uint8_t>(inside);
   }
 }
 
-// If the surface crosses the face: enters the cells beyond it, for half-edges, and checks that the
-// list has the brick beyond it; if it has not, adds 1 to `missing`. `before_mesh`: the triangles of
-// the list before those of the brick's mesh. By a warp.
-template <int face, Connectivity connectivity>
-__device__ void share_beyond_face(const BrickList& list, std::uint64_t before_mesh,
-                                  const CaseTable& table, std::uint32_t faces,
-                                  TriangleShared<connectivity>& s, unsigned long long* missing) {
-  if ((faces >> face & 1u) == 0) return;
-  const std::uint32_t place = s.near.place[neighbour_across(face)];
-  if (place == kNoBrick) {
-    if (threadIdx.x % kWarp == 0) atomicAdd(missing, 1ull);
-  } else if constexpr (connectivity == Connectivity::half_edges) {
-    const auto before = static_cast<std::uint32_t>(list.before[place].triangles - before_mesh);
-    share_cells_beyond<face>(list.bricks[place], 3 * before, table, s.shell);
+// Enters those of row (y, z) across y or z, by a lane. (cell_y, cell_z) is the row in the shell.
+__device__ void share_row_of_cells(const CellsBeyond& beyond, int y, int z, int cell_y, int cell_z,
+                                   const CaseTable& table, Shell<Connectivity::half_edges>& shell) {
+  const ActiveBrick& owner = beyond.owner;
+  std::uint32_t start = beyond.first_half_edge + 3 * owner.row_triangles[z * kBrickSide + y];
+  for (std::uint32_t cells = mixed_cells(owner.signs, y, z); cells != 0; cells &= cells - 1) {
+    const int x = __ffs(static_cast<int>(cells)) - 1, cell = shell_cell(x, cell_y, cell_z);
+    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
+    shell.first_half_edge[cell] = start;
+    shell.inside[cell] = static_cast<std::uint8_t>(inside);
+    start += 3 * table.count(inside);
   }
 }
 
-// share_beyond_face() for all faces, of which each warp has three. A brick that only shares an edge
-// with this one needs no check of its own: if the surface crosses that edge, it crosses the faces
-// that contain the edge. Two other bricks share faces with both, so the checks of the faces report
-// the missing brick.
-template <Connectivity connectivity>
-__device__ void share_beyond(const BrickList& list, std::uint64_t before_mesh,
-                             const CaseTable& table, std::uint32_t faces,
-                             TriangleShared<connectivity>& s, unsigned long long* missing) {
-  if (threadIdx.x < kWarp) {
-    share_beyond_face<0>(list, before_mesh, table, faces, s, missing);
-    share_beyond_face<2>(list, before_mesh, table, faces, s, missing);
-    share_beyond_face<4>(list, before_mesh, table, faces, s, missing);
-  } else {
-    share_beyond_face<1>(list, before_mesh, table, faces, s, missing);
-    share_beyond_face<3>(list, before_mesh, table, faces, s, missing);
-    share_beyond_face<5>(list, before_mesh, table, faces, s, missing);
+// Checks, for the first 6 lanes of a warp and the faces of their numbers, that the list has the
+// brick beyond each face that the surface crosses, and adds the missing ones to `missing`. A brick
+// that only shares an edge with this one needs no check of its own: if the surface crosses that
+// edge, it crosses the faces that contain the edge. Two other bricks share faces with both, so the
+// checks of the faces report the missing brick.
+__device__ void check_neighbours(const TriangleNeighbours& near, std::uint32_t faces,
+                                 unsigned long long* missing) {
+  const unsigned face = threadIdx.x % kWarp;
+  if (face < 6 && (faces >> face & 1u) != 0 &&
+      near.place[neighbour_across(static_cast<int>(face))] == kNoBrick) {
+    atomicAdd(missing, 1ull);
   }
+}
+
+// For half-edges: enters the mixed cells beyond all faces that the surface crosses. The first warp
+// has the faces across x, the second those across y and z: lane 8 (f - 2) + i has row i beyond face
+// f. `before_mesh`: the triangles of the list before those of the brick's mesh.
+__device__ void share_cells_beyond(const BrickList& list, std::uint64_t before_mesh,
+                                   const CaseTable& table, std::uint32_t faces,
+                                   TriangleShared<Connectivity::half_edges>& s) {
+  const auto cells_of = [&](std::uint32_t place) {
+    const auto before = static_cast<std::uint32_t>(list.before[place].triangles - before_mesh);
+    return CellsBeyond{list.bricks[place], 3 * before};
+  };
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  if (threadIdx.x < kWarp) {
+    const std::uint32_t lower = s.near.place[neighbour_across(0)];
+    if ((faces & 1u) != 0 && lower != kNoBrick) {
+      share_cells_across_x<0>(cells_of(lower), table, s.shell);
+    }
+    const std::uint32_t upper = s.near.place[neighbour_across(1)];
+    if ((faces & 2u) != 0 && upper != kNoBrick) {
+      share_cells_across_x<1>(cells_of(upper), table, s.shell);
+    }
+    return;
+  }
+  const int face = 2 + lane / kBrickSide, along = lane % kBrickSide;
+  const std::uint32_t place = s.near.place[neighbour_across(face)];
+  if ((faces >> face & 1u) == 0 || place == kNoBrick) return;
+  const bool lower = face % 2 == 0, across_y = face < 4;
+  const int layer = lower ? kBrickSide - 1 : 0, entered = lower ? -1 : kBrickSide;
+  share_row_of_cells(cells_of(place), across_y ? layer : along, across_y ? along : layer,
+                     across_y ? entered : along, across_y ? along : entered, table, s.shell);
 }
 
 // ---- triangles ----
@@ -361,12 +408,12 @@ __global__ void __launch_bounds__(kTriangleThreads)
   constexpr bool half_edges = connectivity == Connectivity::half_edges;
   const CaseTable& table = *global_table;
   const std::uint32_t own = first + blockIdx.x;
+  const BrickPart part(list.bricks[own], neighbours[own]);
   const BrickSums before = list.before[own];
   const std::uint64_t after = list.before[own + 1].triangles;
   if (after == before.triangles) return;
   const auto thread = static_cast<int>(threadIdx.x);
-  copy_brick_once(list.bricks[own], s.brick);
-  if (thread < kTriangleNeighbours) s.near.place[thread] = neighbours[own].place[thread];
+  part.share(s.brick, s.near);
   if (thread < 4 * kBrickReach) s.before[thread] = codes->before[thread];
   const std::uint32_t words = static_cast<std::uint32_t>(after - before.triangles) / kWarp + 3;
 #pragma unroll 1
@@ -380,7 +427,8 @@ __global__ void __launch_bounds__(kTriangleThreads)
   __syncthreads();
   const std::uint32_t faces = faces_crossed(s.face_signs);
   share_rows_beyond(list, before_mesh.vertices, faces, s);
-  share_beyond(list, before_mesh.triangles, table, faces, s, missing);
+  if (threadIdx.x < kWarp) check_neighbours(s.near, faces, missing);
+  if constexpr (half_edges) share_cells_beyond(list, before_mesh.triangles, table, faces, s);
   __syncthreads();
 
   const unsigned lane = threadIdx.x % kWarp, warp = threadIdx.x / kWarp;

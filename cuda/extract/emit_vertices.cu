@@ -53,15 +53,25 @@ struct WarpBrick {
   VertexStage stage;
 };
 
-// Copies the warp's brick to shared memory. Returns false if the warp has nothing to do: it is
-// beyond the end of the list, or its brick has no vertex for it.
+// Copies the warp's brick to shared memory, two words of 8 bytes a lane. Returns false if the warp
+// has nothing to do: it is beyond the end of the list, or its brick has no vertex for it.
 __device__ bool load_brick(const BrickList& list, Sharers sharers, ActiveBrick& brick) {
+  constexpr unsigned words = sizeof(ActiveBrick) / sizeof(std::uint64_t);
+  static_assert(words > kWarp && words <= 2 * kWarp &&
+                sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
   const std::uint64_t own = own_brick(sharers);
   if (own >= list.size) return false;
+  const unsigned lane = threadIdx.x % kWarp, other = lane + kWarp < words ? lane + kWarp : lane;
+  const auto* const from = reinterpret_cast<const std::uint64_t*>(&list.bricks[own]);
+  const std::uint64_t word = from[lane], other_word = from[other];
+  load_now(word);
+  load_now(other_word);
   const BrickSums* const before = list.before + own;
   const std::uint64_t first = before[0].vertices + own_share(sharers).number * kWarp;
   if (first >= before[1].vertices) return false;
-  copy_brick(&list.bricks[own], &brick, threadIdx.x % kWarp, kWarp);
+  auto* const to = reinterpret_cast<std::uint64_t*>(&brick);
+  to[lane] = word;
+  to[other] = other_word;
   __syncwarp();
   return true;
 }
@@ -84,12 +94,13 @@ __global__ void __launch_bounds__(kBrickThreads)
   UnionShared& s = shared[threadIdx.x / kWarp];
   WarpBrick& own = s.own;
   if (!load_brick(list, sharers, own.brick)) return;
+  const NearPlaces<kMostSharedBalls>& kept_near = kept[own_brick(sharers)].near;
+  const std::uint32_t near = kept_near.count;
+  load_now(near);
   const FieldOfBlock owner = fields.of(own.brick.key);
   const FieldContext& f = owner.field;
   share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
   const BrickGeometry& g = own.geometry;
-  const NearPlaces<kMostSharedBalls>& kept_near = kept[own_brick(sharers)].near;
-  const std::uint32_t near = kept_near.count;
   if (near <= kMostSharedBalls) s.items.load(f, g, kept_near.place, near);
   __syncwarp();
   // If there are more balls, the null pointer makes every vertex search the cell list.
@@ -159,22 +170,26 @@ __device__ VertexAtom vertex_atom(const FieldContext& f, const BrickGeometry& g,
   return a;
 }
 
-// Calls visit(k) for the items k = 0 .. count - 1, rising, for which wanted(k) is true, on all
-// lanes together. Each lane tests every 32nd item.
+// Calls visit(atom, k) for the atoms k = 0 .. count - 1, rising, for which wanted(atom) is true, on
+// all lanes together. Each lane tests every 32nd atom. The votes are reversed, so that the next one
+// is the highest bit that is left: to find it takes one instruction less.
 template <class Wanted, class Visit>
-__device__ void visit_wanted(std::uint32_t count, Wanted&& wanted, Visit&& visit) {
+__device__ void visit_wanted(const VertexAtom* atoms, std::uint32_t count, Wanted&& wanted,
+                             Visit&& visit) {
   const unsigned lane = threadIdx.x % kWarp;
   for (std::uint32_t first = 0; first < count; first += kWarp) {
-    const bool own = first + lane < count && wanted(first + lane);
-    for (unsigned left = __ballot_sync(kAllLanes, own); left != 0; left &= left - 1) {
-      visit(first + static_cast<std::uint32_t>(__ffs(static_cast<int>(left))) - 1);
+    const VertexAtom* const group = atoms + first;
+    const bool own = first + lane < count && wanted(group[lane]);
+    for (unsigned left = __brev(__ballot_sync(kAllLanes, own)); left != 0;) {
+      const auto k = static_cast<unsigned>(__clz(static_cast<int>(left)));
+      left &= ~(1u << 31 >> k);
+      visit(group[k], first + k);
     }
   }
 }
 
-// Whether the node lies in the atom's sub-grid; true without sub-grids.
-__device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const LatticeNode& node) {
-  if (m.truncation != Truncation::subgrid) return true;
+// Whether the node lies in the atom's sub-grid. Precondition: the field has sub-grids.
+__device__ bool in_subgrid_of(const FieldModel& m, const VertexAtom& a, const LatticeNode& node) {
   bool reaches = true;
   for (int axis = 0; axis < 3; ++axis) {
     // Lattice indices are one above grid indices.
@@ -190,7 +205,7 @@ __device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const Lat
 template <BlendedKind Kind>
 __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGeometry& g,
                                             std::uint32_t place, float scale, const int node[3]) {
-  const NodeShape nodes = Kind::node_shape(f.model);
+  const NodeShape& nodes = f.nodes;
   const Sphere& atom = f.list.spheres[place];
   AxisTerm term[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -201,14 +216,15 @@ __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGe
 
 // The vertex on a crossed edge: where linear interpolation between the values at its ends reaches
 // the isovalue. The device counterpart of BlendedBrick::vertex(). `values` are the field's values
-// at the brick's nodes, x fastest. for_each(wanted, visit) calls visit(atom, place) for the atoms
+// at the brick's nodes, x fastest. for_each(wanted, visit) calls visit(atom, item) for the atoms
 // that reach the brick, in list order, on all lanes of the warp together; it may leave out atoms
-// for which wanted(atom) is false. The label is the atom that contributes most at the vertex, and
-// the normal points against the sum of the atoms' gradients.
-template <BlendedKind Kind, class ForEach>
+// for which wanted(atom) is false. place_of(item) is the atom's list place. The label is the atom
+// that contributes most at the vertex, and the normal points against the sum of the atoms'
+// gradients.
+template <BlendedKind Kind, class ForEach, class PlaceOf>
 __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
                                      const float* values, const CrossedEdge& edge,
-                                     ForEach&& for_each) {
+                                     ForEach&& for_each, PlaceOf&& place_of) {
   const auto value = [&](const int node[3]) {
     return values[(node[2] * kBrickReach + node[1]) * kBrickReach + node[0]];
   };
@@ -218,31 +234,38 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
   const Vec3f local = cast<float>(v.position - g.node(0, 0, 0));
   // An atom with a sub-grid counts at the vertex if the sub-grid has the inside end of its edge.
   const LatticeNode inside = lattice_node(g.brick, edge.inside);
-  const ShapeParameters<float> shape = shape_parameters<float>(f.model);
+  const ShapeParameters<float>& shape = f.shape;
   LocalGradient gradient;
   const WarpBox box = box_of_warp(local);
   // An atom that adds nothing anywhere in the box adds nothing to any vertex of the warp.
   const auto reaches_box = [&](const VertexAtom& a) {
     return Kind::reaches(shape, box.square_to(a.center) * a.scale);
   };
-  for_each(reaches_box, [&](const VertexAtom& a, std::uint32_t place) {
-    if (!reaches_node(f.model, a, inside)) return;
+  const auto add = [&](const VertexAtom& a, std::uint32_t item) {
     const Vec3f from = local - Vec3f{a.center[0], a.center[1], a.center[2]};
-    add_gradient<Kind>(shape, from, a.scale, a.rank, place, gradient);
-  });
+    add_gradient<Kind>(shape, from, a.scale, a.rank, item, gradient);
+  };
+  // Two loops, so that the common one does not ask about sub-grids at every atom.
+  if (f.model.truncation != Truncation::subgrid) {
+    for_each(reaches_box, add);
+  } else {
+    for_each(reaches_box, [&](const VertexAtom& a, std::uint32_t item) {
+      if (in_subgrid_of(f.model, a, inside)) add(a, item);
+    });
+  }
   // If no atom contributes at the vertex, the label is the atom that contributes most at the inside
   // end.
   if (__any_sync(kAllLanes, !(gradient.strongest.value > 0))) {
     const bool wanting = !(gradient.strongest.value > 0);
     const auto any = [](const VertexAtom&) { return true; };
-    for_each(any, [&](const VertexAtom& a, std::uint32_t place) {
+    for_each(any, [&](const VertexAtom& a, std::uint32_t item) {
       if (!wanting) return;
-      const float alone = value_at_node<Kind>(f, g, place, a.scale, edge.inside);
-      gradient.strongest.meet(alone, a.rank, place);
+      const float alone = value_at_node<Kind>(f, g, place_of(item), a.scale, edge.inside);
+      gradient.strongest.meet(alone, a.rank, item);
     });
   }
   v.normal = outward_normal(gradient, v);
-  v.sphere = f.list.id[gradient.strongest.atom];
+  v.sphere = f.list.id[place_of(gradient.strongest.atom)];
   return v;
 }
 
@@ -288,14 +311,13 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
                    load);
   }
   const float* const values_of_brick = kept[own_brick(sharers)].values;
+  const auto for_each = [&](auto&& wanted, auto&& visit) {
+    visit_wanted(atoms, met, wanted, visit);
+  };
+  const auto place_of = [&](std::uint32_t k) { return places[k]; };
   store_vertices_of(own.brick, own_share(sharers), list.before[own_brick(sharers)].vertices,
                     own.stage, mesh, clamped, [&](const CrossedEdge& edge) {
-                      return blended_vertex<Kind>(
-                          f, g, values_of_brick, edge, [&](auto&& wanted, auto&& visit) {
-                            visit_wanted(
-                                met, [&](std::uint32_t k) { return wanted(atoms[k]); },
-                                [&](std::uint32_t k) { visit(atoms[k], places[k]); });
-                          });
+                      return blended_vertex<Kind>(f, g, values_of_brick, edge, for_each, place_of);
                     });
 }
 
@@ -316,17 +338,18 @@ __global__ void __launch_bounds__(kBrickThreads)
   share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
   const Vec3d lower = g.node(0, 0, 0), upper = g.node(kBrickSide, kBrickSide, kBrickSide);
   const float* const values_of_brick = kept[own_brick(sharers)].values;
+  const auto for_each = [&](auto&&, auto&& visit) {
+    visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+      // Visitor of visit_near_box(): false goes on to the next sphere.
+      if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
+      visit(vertex_atom(f, g, place), place);
+      return false;
+    });
+  };
+  const auto place_of = [](std::uint32_t place) { return place; };
   store_vertices_of(own.brick, own_share(sharers), list.before[own_brick(sharers)].vertices,
                     own.stage, mesh, clamped, [&](const CrossedEdge& edge) {
-                      return blended_vertex<Kind>(
-                          f, g, values_of_brick, edge, [&](auto&&, auto&& visit) {
-                            visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
-                              // Visitor of visit_near_box(): false goes on to the next sphere.
-                              if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
-                              visit(vertex_atom(f, g, place), place);
-                              return false;
-                            });
-                          });
+                      return blended_vertex<Kind>(f, g, values_of_brick, edge, for_each, place_of);
                     });
 }
 
@@ -356,7 +379,10 @@ __global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 :
                       for (int axis = 0; axis < 3; ++axis) {
                         node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
                       }
-                      EdgeVertex v = sampled_vertex(field, index, edge, node);
+                      const EdgeValues values = sampled_values(field, index, edge);
+                      load_now(values.inside);
+                      load_now(values.outside);
+                      EdgeVertex v = sampled_vertex(field, values, edge, node);
                       if constexpr (normals == Normals::gradients) {
                         v.normal = sampled_normal(field, index, edge, v);
                       }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cuda/memory/device_structures.cuh"
+#include "extract/blended/kind_types.hpp"
 #include "extract/bricks/brick.hpp"
 
 namespace vdwmesh {
@@ -25,12 +26,17 @@ struct RoughSpheres {
   Vec3d origin;
 };
 
-// What the kernels about a field of spheres need; passed by value. It owns nothing.
+// What the kernels about a field of spheres need; passed by value. It owns nothing. `shape` and
+// `nodes` follow from the model and are made on the host: a kernel would convert the model's
+// doubles again for every atom. They are 0 for a union of balls.
 struct FieldContext {
   CellListView list;
   FieldModel model;
   RoughSpheres rough;
+  ShapeParameters<float> shape;
+  NodeShape nodes;
 };
+FieldContext field_context(const CellListView& list, const FieldModel& model, const float4* rough);
 
 // The field of a block of bricks, and the layer of bricks with which the field begins.
 struct FieldOfBlock {

@@ -25,13 +25,30 @@ struct alignas(16) NodeAtom {
   AxisTerm term[3][kNodes];
 };
 
+// A plane of nodes across an axis, as a lane makes the terms of atoms at it.
+struct NodePlane {
+  int axis, node;
+  std::int64_t lattice;  // its lattice index
+  double coordinate;     // its position, Å
+};
+
+// The plane of a lane: lane kNodes * axis + node has plane `node` across the axis. The lanes from 3
+// * kNodes on have none, and their `axis` is 3. `coordinate` has the positions of the planes along
+// each axis, Å.
+template <int kNodes>
+__device__ NodePlane plane_of_lane(const BrickIndex& brick, const double (&coordinate)[3][kNodes]) {
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const int axis = lane / kNodes, node = lane % kNodes;
+  if (axis >= 3) return {3, 0, 0, 0};
+  const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
+  return {axis, node, lattice_index(index, node), coordinate[axis][node]};
+}
+
 // Makes the terms of the first `count` <= kAtomChunk waiting atoms and writes them to `atoms`: by
-// one warp, whose lanes share the count * 3 * kNodes terms. `coordinate` has the positions of the
-// planes of nodes along each axis, Å. All lanes call it. Ends with __syncwarp().
+// one warp, each lane those at its plane. All lanes call it. Ends with __syncwarp().
 template <BlendedKind Kind, int kNodes>
 __device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
-                            const BrickIndex& brick, const double (&coordinate)[3][kNodes],
-                            AtomStage& stage, NodeAtom<kNodes>* atoms) {
+                            const NodePlane& plane, AtomStage& stage, NodeAtom<kNodes>* atoms) {
   const unsigned lane = threadIdx.x % kWarp;
   if (lane < count) {
     const Sphere atom = f.list.spheres[stage.waiting[lane]];
@@ -39,15 +56,22 @@ __device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::
     stage.scale[lane] = static_cast<float>(inverse_square_scale(f.model, atom.radius));
   }
   __syncwarp();
-  constexpr unsigned terms = 3 * kNodes;
-  for (unsigned i = lane; i < count * terms; i += kWarp) {
-    const unsigned k = i / terms;
-    const auto axis = static_cast<int>(i % terms) / kNodes;
-    const auto node = static_cast<int>(i % terms) % kNodes;
-    const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
-    atoms[k].term[axis][node] =
-        lattice_term<Kind>(f.model, nodes, stage.spheres[k], stage.scale[k], axis,
-                           lattice_index(index, node), coordinate[axis][node]);
+  // Two loops, so that the common one does not ask about sub-grids at every atom: without them,
+  // lattice_term() is axis_term().
+  if (plane.axis < 3 && f.model.truncation != Truncation::subgrid) {
+#pragma unroll 2
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const double away = plane.coordinate - stage.spheres[k].center[plane.axis];
+      atoms[k].term[plane.axis][plane.node] =
+          Kind::axis_term(nodes, stage.scale[k], plane.axis, static_cast<float>(away));
+    }
+  } else if (plane.axis < 3) {
+#pragma unroll 1
+    for (std::uint32_t k = 0; k < count; ++k) {
+      atoms[k].term[plane.axis][plane.node] =
+          lattice_term<Kind>(f.model, nodes, stage.spheres[k], stage.scale[k], plane.axis,
+                             plane.lattice, plane.coordinate);
+    }
   }
   __syncwarp();
 }

@@ -14,6 +14,9 @@ namespace {
 constexpr unsigned kBlockBricks = 4;
 constexpr unsigned kBlockThreads = kBlockBricks * kWarp;
 constexpr int kRowsApart = kBrickSide / 2;  // in z, between the two rows of a lane
+// Rows of eight nodes that a warp writes at a time.
+constexpr int kRowsAtOnce = static_cast<int>(kWarp) / kBrickSide;
+static_assert(2 * kRowsAtOnce == kBrickSide);  // two times make a layer
 
 using SampleAtom = NodeAtom<kBrickSide>;
 
@@ -110,12 +113,17 @@ __device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShar
   // Grid indices are one below lattice indices; -1 and `width` are virtual nodes.
   const std::int64_t nx = lattice_index(s.brick.x, lane % kBrickSide) - 1;
   if (nx < 0 || nx >= width) return;
-#pragma unroll 4
-  for (int row = lane / kBrickSide; row < kOwnRows; row += static_cast<int>(kWarp) / kBrickSide) {
-    const std::int64_t ny = lattice_index(s.brick.y, row % kBrickSide) - 1;
-    const std::int64_t nz = lattice_index(s.brick.z, row / kBrickSide) - 1;
-    if (ny < 0 || ny >= height || nz < 0 || nz > grid.cells.z) continue;
-    values[(nz * height + ny) * width + nx] = s.values[row][lane % kBrickSide];
+  const int x = lane % kBrickSide, y = lane / kBrickSide;
+  const std::int64_t ny = lattice_index(s.brick.y, y) - 1, nz = lattice_index(s.brick.z, 0) - 1;
+  const std::int64_t behind = ny + kRowsAtOnce, layer = height * width;
+  const bool is_real = ny >= 0 && ny < height, behind_is_real = behind >= 0 && behind < height;
+  std::int64_t to = (nz * height + ny) * width + nx;
+#pragma unroll
+  for (int z = 0; z < kBrickSide; ++z, to += layer) {
+    if (nz + z < 0 || nz + z > grid.cells.z) continue;
+    const int row = z * kBrickSide + y;
+    if (is_real) values[to] = s.values[row][x];
+    if (behind_is_real) values[to + kRowsAtOnce * width] = s.values[row + kRowsAtOnce][x];
   }
 }
 
@@ -127,15 +135,16 @@ __global__ void __launch_bounds__(kBlockThreads, 8)
     sample_bricks(const __grid_constant__ FieldContext f, float* values) {
   __shared__ SampleShared shared[kBlockBricks];
   SampleShared& s = shared[threadIdx.x / kWarp];
-  const NodeShape nodes = Kind::node_shape(f.model);
+  const NodeShape& nodes = f.nodes;
   share_nodes(f.model.grid, s);
   constexpr int end = kBrickSide - 1;
   const Vec3d lower{s.coordinate[0][0], s.coordinate[1][0], s.coordinate[2][0]};
   const Vec3d upper{s.coordinate[0][end], s.coordinate[1][end], s.coordinate[2][end]};
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   RowPair rows{lane % kBrickSide, lane / kBrickSide};
+  const NodePlane plane = plane_of_lane(s.brick, s.coordinate);
   gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
-    share_terms<Kind>(f, nodes, count, s.brick, s.coordinate, s.stage, s.atoms);
+    share_terms<Kind>(f, nodes, count, plane, s.stage, s.atoms);
     add_atoms<Kind>(nodes, s, count, rows);
     // Never ends the gathering.
     return false;

@@ -56,15 +56,24 @@ __device__ inline std::uint64_t balls_near_edge(const SharedBalls& items, std::u
   const float half[3] = {edge.axis == 0 ? 0.5f * spacing : 0.0f,
                          edge.axis == 1 ? 0.5f * spacing : 0.0f,
                          edge.axis == 2 ? 0.5f * spacing : 0.0f};
-  std::uint64_t near = 0;
-  for (std::uint32_t k = 0; k < count; ++k) {
-    const float4 ball = items.rough[k];
-    const float x = fmaxf(fabsf(ball.x - middle.x) - half[0], 0.0f);
-    const float y = fmaxf(fabsf(ball.y - middle.y) - half[1], 0.0f);
-    const float z = fmaxf(fabsf(ball.z - middle.z) - half[2], 0.0f);
-    if (fmaf(x, x, fmaf(y, y, z * z)) <= ball.w) near |= std::uint64_t{1} << k;
-  }
-  return near;
+  // A bit for each ball of one half of the set: bits of a word are cheaper to move than those
+  // of 64.
+  const auto near_among = [&](std::uint32_t begin, std::uint32_t end) {
+    std::uint32_t near = 0, bit = 1;
+#pragma unroll 4
+    for (std::uint32_t k = begin; k < end; ++k, bit += bit) {
+      const float4 ball = items.rough[k];
+      const float x = fmaxf(fabsf(ball.x - middle.x) - half[0], 0.0f);
+      const float y = fmaxf(fabsf(ball.y - middle.y) - half[1], 0.0f);
+      const float z = fmaxf(fabsf(ball.z - middle.z) - half[2], 0.0f);
+      if (fmaf(x, x, fmaf(y, y, z * z)) <= ball.w) near |= bit;
+    }
+    return near;
+  };
+  constexpr std::uint32_t word = kMostSharedBalls / 2;
+  const std::uint32_t low = near_among(0, count < word ? count : word);
+  const std::uint32_t high = near_among(word, count);
+  return static_cast<std::uint64_t>(high) << word | low;
 }
 
 // The vertex on a crossed edge. `items` has all `count` balls near the brick. If they do not fit in
@@ -74,9 +83,6 @@ __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeom
                                           const CrossedEdge& edge) {
   const double spacing = f.model.grid.spacing;
   const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-  const Vec3d far = g.node(edge.outside[0], edge.outside[1], edge.outside[2]);
-  const Vec3d& lower = edge.direction > 0 ? node : far;
-  const Vec3d& upper = edge.direction > 0 ? far : node;
   std::uint64_t near =
       items ? balls_near_edge(*items, count, g, edge, static_cast<float>(spacing)) : 0;
   const auto for_each = [&](auto&& visit) {
@@ -84,9 +90,14 @@ __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeom
       for (std::uint64_t left = near; left != 0; left &= left - 1) {
         const int k = __ffsll(static_cast<long long>(left)) - 1;
         // A ball that changes nothing any more is left out from now on.
-        if (!visit(items->ball[k], items->rank[k], items->place[k])) near &= ~(left & -left);
+        if (!visit(items->ball[k], items->rank[k], static_cast<std::uint32_t>(k))) {
+          near &= ~(left & -left);
+        }
       }
     } else {
+      const Vec3d far = g.node(edge.outside[0], edge.outside[1], edge.outside[2]);
+      const Vec3d& lower = edge.direction > 0 ? node : far;
+      const Vec3d& upper = edge.direction > 0 ? far : node;
       visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
         visit(f.list.spheres[place], f.list.rank[place], place);
         // Visitor of visit_near_box(): false goes on to the next sphere.
@@ -96,8 +107,10 @@ __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeom
   };
   const EdgePoint exit = first_exit(node, edge.axis, edge.direction, spacing, for_each);
   const Vec3d p = point_on_edge(edge, node, exit.distance);
-  const Vec3f normal = unit_or(p - f.list.spheres[exit.owner].center, edge_direction(edge));
-  return {p, normal, f.list.id[exit.owner], exit.clamped};
+  const std::uint32_t place = items ? items->place[exit.owner] : exit.owner;
+  const Vec3d center = items ? items->ball[exit.owner].center : f.list.spheres[place].center;
+  const Vec3f normal = unit_or(p - center, edge_direction(edge));
+  return {p, normal, f.list.id[place], exit.clamped};
 }
 
 }  // namespace vdwmesh

@@ -113,7 +113,8 @@ class SampledBrick {
 
   EdgeVertex vertex(const CrossedEdge& edge) const {
     const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-    EdgeVertex v = sampled_vertex(field_, geometry_.brick, edge, node);
+    EdgeVertex v =
+        sampled_vertex(field_, sampled_values(field_, geometry_.brick, edge), edge, node);
     v.normal = sampled_normal(field_, geometry_.brick, edge, v);
     return v;
   }

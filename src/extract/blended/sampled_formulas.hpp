@@ -53,18 +53,32 @@ VDWMESH_HD inline Vec3f node_difference(const SampledFieldView& f, const Lattice
   return difference;
 }
 
-// The vertex on a crossed edge, with the edge's direction as its normal. `node` is the position of
-// the edge's inside end, Å.
-VDWMESH_HD inline EdgeVertex sampled_vertex(const SampledFieldView& f, const BrickIndex& brick,
-                                            const CrossedEdge& edge, const Vec3d& node) {
+struct EdgeValues {
+  float inside, outside;  // at the ends of a crossed edge
+};
+
+// A virtual node has no value: it gets infinity. interpolate_edge() takes the outer end of the edge
+// if the outside value is not below the isovalue.
+VDWMESH_HD inline EdgeValues sampled_values(const SampledFieldView& f, const BrickIndex& brick,
+                                            const CrossedEdge& edge) {
   const LatticeNode inside = lattice_node(brick, edge.inside);
   const LatticeNode outside = lattice_node(brick, edge.outside);
-  // A virtual node has no value. interpolate_edge() takes the outer end of the edge if the outside
-  // value is not below the isovalue, as infinity is.
-  const float beyond = is_virtual(f.grid, outside) ? std::numeric_limits<float>::infinity()
-                                                   : *node_address(f, outside);
+  // The outside end differs from the inside one along the edge alone, and the inside one is real.
+  const std::int64_t along = edge.axis == 0   ? outside.index[0]
+                             : edge.axis == 1 ? outside.index[1]
+                                              : outside.index[2];
+  const bool beyond = is_virtual(f.grid, edge.axis, along);
+  const float* const own = node_address(f, inside);
+  const float other = *(beyond ? own : node_address(f, outside));
+  return {*own, beyond ? std::numeric_limits<float>::infinity() : other};
+}
+
+// The vertex on a crossed edge, with the edge's direction as its normal. `values` are those of
+// sampled_values(), and `node` is the position of the edge's inside end, Å.
+VDWMESH_HD inline EdgeVertex sampled_vertex(const SampledFieldView& f, const EdgeValues& values,
+                                            const CrossedEdge& edge, const Vec3d& node) {
   const EdgePoint point =
-      interpolate_edge(*node_address(f, inside), beyond, f.isovalue, f.grid.spacing);
+      interpolate_edge(values.inside, values.outside, f.isovalue, f.grid.spacing);
   return {point_on_edge(edge, node, point.distance), cast<float>(edge_direction(edge)), kNoSphere,
           point.clamped};
 }
