@@ -8,7 +8,31 @@
 #include "arrangement/complex/regular_cells.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/tss.h>
+
+namespace vdwmesh {
+
+// The variable itself. The compiler cannot see that, and keeps its address in a register.
+template <class T>
+T& with_known_address(T& variable) {
+  T* address = &variable;
+  asm("" : "+r"(address));
+  return *address;
+}
+
+}  // namespace vdwmesh
+
+// CGAL keeps a map for each thread, with which a new vertex's cells find their neighbours. Code of
+// a shared library, such as the package for Python, asks the loader where that is, and would do so
+// at each access: a million times for the 4,384 atoms of haemoglobin. So the macro that declares
+// the map makes a reference to it, which is looked up once for each vertex.
+#pragma push_macro("CGAL_STATIC_THREAD_LOCAL_VARIABLE_0")
+#undef CGAL_STATIC_THREAD_LOCAL_VARIABLE_0
+#define CGAL_STATIC_THREAD_LOCAL_VARIABLE_0(TYPE, VAR) \
+  static thread_local TYPE VAR##_of_this_thread;       \
+  TYPE& VAR = vdwmesh::with_known_address(VAR##_of_this_thread)
 #include <CGAL/Regular_triangulation_3.h>
+#pragma pop_macro("CGAL_STATIC_THREAD_LOCAL_VARIABLE_0")
 #include <CGAL/Triangulation_ds_cell_base_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
