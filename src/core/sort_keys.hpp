@@ -90,7 +90,7 @@ inline void sort_keys(std::span<std::uint64_t> keys, int low) {
     sort_by_digits(group, group_of(scratch, g), low, rest);
   };
   tbb::parallel_for(std::size_t{0}, groups, sort_group);
-  scratch = {};
+  scratch = Buffer<std::uint64_t>();  // frees the memory, as {} would not
   for (const std::size_t g : large) sort_keys(group_of(keys, g), low);
 }
 

@@ -159,7 +159,7 @@ MeshQuality quality_together(const Ranks& ranks, const BorderMesh& part,
     buckets.reset();
   });
   quality.edge_length = distribution_together(ranks, lengths);
-  lengths = {};
+  lengths = Buffer<double>();  // frees the memory, as {} would not
   TriangleShapes shapes;
   ranks.together([&] { shapes = triangle_shapes(part.part()); });
   quality.min_angle_deg = distribution_together(ranks, shapes.min_angles_deg);

@@ -178,7 +178,7 @@ class Refinement {
         for_all(starts.size(), [&](std::size_t i) {
           moves.starts[part_.first_vertex + moves.first + i] = starts[i];
         });
-        starts = {};
+        starts = Buffer<Vec3d>();  // frees the memory, as {} would not
       });
       part_.halo.refresh(ranks_, moves.starts);
     }

@@ -58,7 +58,7 @@ class Connector {
         });
     link_faces();
     link_vertices();
-    handle_of_ = {};  // frees the memory
+    handle_of_ = Buffer<std::uint32_t>();  // frees the memory, as {} would not
     // opposite_ has one element per half-edge of a triangle. In a closed mesh there are two per
     // edge; on a boundary, the second half-edge belongs to no triangle.
     if (2 * edge_count_ != opposite_.size()) link_boundary();
