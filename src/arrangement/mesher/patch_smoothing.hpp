@@ -222,7 +222,7 @@ class Smoother {
   typename Memory::template Array<std::uint32_t>&first_, &star_, &changed_, &sweep_;  // scratch
 };
 
-// Collects the pieces to split, triangle by triangle; see defects() in the header.
+// Collects the pieces to split, triangle by triangle; see find_defects() in the header.
 template <class Memory>
 class DefectFinder {
  public:

@@ -46,12 +46,10 @@ template <>
 void smooth(const PatchBoundaryView& boundary, const PointCircles& circles, int passes,
             SmoothingScratch& scratch, PatchTriangles& patch);
 
-// The pieces that must be split because a triangle is not valid, ascending, each once. A triangle
-// is not valid if it faces inwards, or if it would fold over when the arcs beside it replace their
-// chords. Subdivision of the mesh (refine/) replaces them step by step, so such triangles would
-// turn.
-std::vector<std::uint32_t> defects(const PatchBoundary& boundary, const PatchTriangles& patch);
-// The same, appended to `found`, in the order of triangles and with repetitions.
+// Appends to `found` the pieces that must be split because a triangle is not valid, in the order of
+// triangles and with repetitions. A triangle is not valid if it faces inwards, or if it would fold
+// over when the arcs beside it replace their chords. Subdivision of the mesh (refine/) replaces
+// them step by step, so such triangles would turn.
 template <class Memory>
 VDWMESH_HD void find_defects(const PatchBoundaryView& boundary,
                              const PatchTrianglesOf<Memory>& patch,

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 namespace vdwmesh {
@@ -20,6 +22,7 @@ PatchBoundary equator() {
   return boundary;
 }
 
+// The pieces that find_defects() names for one triangle, ascending, each once.
 std::vector<std::uint32_t> defects_of(const std::array<std::uint32_t, 3>& vertices,
                                       const std::array<std::uint32_t, 3>& pieces) {
   const PatchBoundary boundary = equator();
@@ -29,7 +32,11 @@ std::vector<std::uint32_t> defects_of(const std::array<std::uint32_t, 3>& vertic
     patch.points.push_back(p);
   }
   patch.triangles = {{vertices, {kNoNeighbor, kNoNeighbor, kNoNeighbor}, pieces}};
-  return defects(boundary, patch);
+  std::vector<std::uint32_t> found;
+  find_defects<GrowingMemory>(boundary, patch, found);
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
 }
 
 using Pieces = std::vector<std::uint32_t>;
