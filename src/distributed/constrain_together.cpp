@@ -4,42 +4,19 @@
 // border_mesh.hpp. Vertices do not move once they are made, so nothing has to be taken back.
 #include "distributed/constrain_together.hpp"
 
-#include <utility>
-
 #include "core/blocks.hpp"
-#include "distributed/border_mesh.hpp"
-#include "distributed/children_together.hpp"
-#include "distributed/edges_together.hpp"
+#include "distributed/piece_refinement.hpp"
 #include "refine/constraint_formulas.hpp"
 #include "refine/subdivision_formulas.hpp"
-#include "refine/tally.hpp"
-#include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
 namespace {
 
-class ConstrainedRefinement {
+class ConstrainedRefinement final : public PieceRefinement {
  public:
-  ConstrainedRefinement(const Ranks& ranks, const SphereSet& spheres, const RefineOptions& options,
-                        SurfacePiece& piece)
-      : ranks_(ranks), balls_(spheres.spheres().data()), options_(options), piece_(piece) {}
-
-  std::vector<ProjectionStats> run() {
-    ranks_.together([&] {
-      if (projects()) piece_.mesh.normals = {};
-    });
-    std::vector<ProjectionStats> levels;
-    update_part();
-    levels.push_back(end_level([&] { return check_given(); }));
-    for (int level = 1; level <= options_.subdivisions; ++level) levels.push_back(subdivide());
-    part_ = {};
-    ranks_.together([&] { compute_normals(); });
-    return levels;
-  }
+  using PieceRefinement::PieceRefinement;
 
  private:
-  bool projects() const { return options_.projection != Projection::none; }
-
   // The part of the present mesh, with the labels of its own triangles, and normals if it has any.
   // Collective.
   void update_part() {
@@ -56,18 +33,11 @@ class ConstrainedRefinement {
     if (!projects()) part_.halo.refresh(ranks_, part_.mesh.normals);
   }
 
-  // Adds the turned triangles to what `count` counts on this rank, and returns the sum over all
-  // ranks. Collective.
-  template <class Count>
-  ProjectionStats end_level(const Count& count) {
-    ProjectionStats mine, all;
-    ranks_.together([&] {
-      mine = count();
-      mine.turned = count_turned(balls_, part_.mesh, part_.triangles);
-      advance(options_.monitor, 1);
-    });
-    for (const ProjectionStats& theirs : ranks_.of_all(mine)) all = join(all, theirs);
-    return all;
+  ProjectionStats project_given() override {
+    ProjectionStats stats;
+    update_part();
+    ranks_.together([&] { stats = check_given(); });
+    return end_level(stats);
   }
 
   // The given vertices stay where they are.
@@ -79,33 +49,22 @@ class ConstrainedRefinement {
     });
   }
 
-  ProjectionStats subdivide() {
-    const NumberedEdges edges = number_edges_together(ranks_, piece_);
-    const std::vector<std::uint64_t> counts = ranks_.of_all(std::uint64_t{edges.own});
-    ProjectionStats stats;
-    ranks_.together([&] {
-      Buffer<SphereId> spheres = piece_.mesh.triangle_spheres;  // of the parent
-      make_children(edges, counts, piece_);
-      stats = make_midpoints(edges, spheres);
-    });
+  ProjectionStats subdivide() override {
+    const ProjectionStats stats =
+        make_level([&](const NumberedEdges& edges) { return make_midpoints(edges); });
     update_part();
-    return end_level([&] { return stats; });
+    return end_level(stats);
   }
 
-  // part_ is still that of the parent. Its first triangles are the own ones, in the same order.
-  ProjectionStats make_midpoints(const NumberedEdges& edges, const Buffer<SphereId>& spheres) {
+  ProjectionStats make_midpoints(const NumberedEdges& edges) {
     IndexedMesh& mesh = piece_.mesh;
     const IndexedMesh& parent = part_.mesh;
-    const std::size_t own = piece_.numbers.own(), first = piece_.numbers.runs().back().begin;
-    mesh.positions.resize(own);
-    mesh.vertex_spheres.resize(own, LabelWidth::three);
-    if (!projects()) mesh.normals.resize(own);
+    if (!projects()) mesh.normals.resize(mesh.positions.size());
     return tally(edges.edge.size(), options_.monitor, [&](std::size_t h, ProjectionStats& stats) {
       if (edges.is_lower[h] == 0) return;
-      const Triangle& corners = parent.triangles[h / 3];
-      const std::uint32_t a = corners[h % 3], b = corners[(h + 1) % 3];
-      const VertexSpheres label = edge_label(spheres[h / 3], edges.other_sphere[h]);
-      const std::size_t v = first + edges.edge[h];
+      const auto [a, b] = ends_of(h);
+      const VertexSpheres label = edge_label(parent.triangle_spheres[h / 3], edges.other_sphere[h]);
+      const std::size_t v = first_midpoint() + edges.edge[h];
       mesh.vertex_spheres.set(v, label);
       if (projects()) {
         mesh.positions[v] =
@@ -118,8 +77,7 @@ class ConstrainedRefinement {
     });
   }
 
-  void compute_normals() {
-    if (!projects()) return;
+  void compute_normals() override {
     IndexedMesh& mesh = piece_.mesh;
     mesh.normals.resize(mesh.vertex_count());
     for_all(mesh.vertex_count(), [&](std::size_t v) {
@@ -127,12 +85,6 @@ class ConstrainedRefinement {
       mesh.normals[v] = constrained_normal(balls_, label.data(), mesh.positions[v]);
     });
   }
-
-  const Ranks& ranks_;
-  const Sphere* balls_;  // of the whole set
-  const RefineOptions& options_;
-  SurfacePiece& piece_;
-  BorderMesh part_;
 };
 
 }  // namespace

@@ -22,16 +22,12 @@
 #include "analysis/stage_bytes.hpp"
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
-#include "distributed/border_mesh.hpp"
-#include "distributed/children_together.hpp"
 #include "distributed/constrain_together.hpp"
-#include "distributed/edges_together.hpp"
 #include "distributed/near_surface.hpp"
+#include "distributed/piece_refinement.hpp"
 #include "distributed/surface_shares.hpp"
 #include "extract/field.hpp"
 #include "refine/preparation.hpp"
-#include "refine/tally.hpp"
-#include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -63,36 +59,15 @@ struct Moves {
   Buffer<MoveState> states;  // by handled vertex
 };
 
-class Refinement {
+class Refinement final : public PieceRefinement {
  public:
   Refinement(const Ranks& ranks, const SphereSet& spheres, const RefineOptions& options,
              SurfacePiece& piece)
-      : ranks_(ranks), options_(options), balls_(spheres.spheres().data()), piece_(piece) {
+      : PieceRefinement(ranks, spheres, options, piece) {
     ranks.together([&] { surface_.emplace(spheres, options_); });
   }
 
-  std::vector<ProjectionStats> run() {
-    ranks_.together([&] {
-      if (projects()) piece_.mesh.normals = {};
-      piece_.mesh.vertex_spheres.widen();
-    });
-    std::vector<ProjectionStats> levels{project_given()};
-    for (int level = 1; level <= options_.subdivisions; ++level) levels.push_back(subdivide());
-    part_ = {};
-    ranks_.together([&] { compute_normals(); });
-    return levels;
-  }
-
  private:
-  bool projects() const { return options_.projection != Projection::none; }
-
-  // The counts of all ranks, on all of them. Collective.
-  ProjectionStats sum(const ProjectionStats& mine) const {
-    ProjectionStats all;
-    for (const ProjectionStats& theirs : ranks_.of_all(mine)) all = join(all, theirs);
-    return all;
-  }
-
   // Copies an array over the own vertices into one over the vertices of the part.
   template <class T>
   void put_into_part(const Buffer<T>& own, Buffer<T>& of_part) const {
@@ -119,8 +94,7 @@ class Refinement {
     return placed.state;
   }
 
-  // Level 0.
-  ProjectionStats project_given() {
+  ProjectionStats project_given() override {
     part_ = make_border_mesh(ranks_, piece_);
     ProjectionStats stats;
     Moves moves;
@@ -158,17 +132,12 @@ class Refinement {
     surface_->cover(starts.lower, starts.upper, starts.reach);
   }
 
-  // Levels from 1 on.
-  ProjectionStats subdivide() {
-    const NumberedEdges edges = number_edges_together(ranks_, piece_);
-    const std::vector<std::uint64_t> counts = ranks_.of_all(std::uint64_t{edges.own});
-    ProjectionStats stats;
+  ProjectionStats subdivide() override {
     Moves moves;
     Buffer<Vec3d> starts;
-    ranks_.together([&] {
-      make_children(edges, counts, piece_);
-      moves.first = piece_.numbers.runs().back().begin;
-      stats = make_midpoints(edges, moves, starts);
+    const ProjectionStats stats = make_level([&](const NumberedEdges& edges) {
+      moves.first = first_midpoint();
+      return make_midpoints(edges, moves, starts);
     });
     part_ = {};
     part_ = make_border_mesh(ranks_, piece_);
@@ -185,19 +154,9 @@ class Refinement {
     return finish_level(moves, stats);
   }
 
-  // The ends of an own half-edge, as indices in the part of the parent.
-  std::array<std::uint32_t, 2> ends_of(std::size_t h) const {
-    const Triangle& corners = part_.mesh.triangles[h / 3];
-    return {corners[h % 3], corners[(h + 1) % 3]};
-  }
-
-  // part_ is still that of the parent. Its first triangles are the own ones, in the same order.
   ProjectionStats make_midpoints(const NumberedEdges& edges, Moves& moves, Buffer<Vec3d>& starts) {
-    const std::size_t own = piece_.numbers.own();
     IndexedMesh &mesh = piece_.mesh, &parent = part_.mesh;
-    mesh.positions.resize(own);
-    mesh.vertex_spheres.resize(own, LabelWidth::three);
-    if (!mesh.normals.empty()) mesh.normals.resize(own);
+    if (!mesh.normals.empty()) mesh.normals.resize(mesh.positions.size());
     const auto edge_ends = [&](std::size_t h) -> EdgeEnds {
       const auto [a, b] = ends_of(h);
       return {parent.positions[a], parent.positions[b], parent.vertex_spheres.atoms[a],
@@ -231,11 +190,7 @@ class Refinement {
     if (projects()) {
       while (ranks_.sum(put_back(moves, stats)) > 0) refresh_part();
     }
-    ranks_.together([&] {
-      stats.turned = count_turned(balls_, part_.mesh, part_.triangles);
-      advance(options_.monitor, 1);
-    });
-    return sum(stats);
+    return end_level(stats);
   }
 
   // One pass. Returns how many vertices of this rank it has put back. Collective.
@@ -282,8 +237,7 @@ class Refinement {
     state.store(MoveState::to_undo, std::memory_order_relaxed);
   }
 
-  void compute_normals() {
-    if (!projects()) return;
+  void compute_normals() override {
     IndexedMesh& mesh = piece_.mesh;
     cover(mesh.vertex_count(),
           [&](std::size_t v, Starts& starts) { starts.add(mesh.positions[v].z, 0); });
@@ -293,12 +247,7 @@ class Refinement {
     });
   }
 
-  const Ranks& ranks_;
-  const RefineOptions& options_;
-  const Sphere* balls_;  // of the whole set
-  SurfacePiece& piece_;
   std::optional<NearSurface> surface_;
-  BorderMesh part_;  // of the piece, with the atoms of its vertices
 };
 
 // Beside the mesh of the last level, a rank holds its part of that mesh, starts and states, and the
