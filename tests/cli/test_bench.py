@@ -3,8 +3,10 @@
 import csv
 import io
 import math
+import subprocess
+import sys
 
-from program import BAD_INPUT, SHARED_DIR, SOURCE_DIR, ProgramTest, need_shared, parse_json
+from program import BAD_INPUT, PROGRAM, SHARED_DIR, SOURCE_DIR, ProgramTest, need_package, need_shared, parse_json
 
 STRUCTURES = SHARED_DIR / "molecules" / "thesis"
 STAND_INS = {"1QL1": "1QL2_chainA", "2INS": "4INS", "1BIJ": "4HHB", "1GT0": "1F4K", "200D": "133D"}
@@ -216,3 +218,45 @@ class Pipeline(ProgramTest):
         rows = list(csv.DictReader(io.StringIO(self.run_ok(*command, "--csv", "-").stdout)))
         self.assertEqual([r["stage"] for r in rows if r["kind"] == "stage"], self.STAGES)
         self.assertEqual({r["input"] for r in rows}, {"ubiquitin"})
+
+
+class Scripts(ProgramTest):
+    """Scripts of bench/ that print tables of docs/, on little."""
+
+    def script(self, name, *arguments):
+        command = [sys.executable, "-B", SOURCE_DIR / "bench" / name, *arguments]
+        return subprocess.run(command, check=True, capture_output=True, text=True, timeout=300).stdout
+
+    @staticmethod
+    def rows(text):
+        """Cells of all lines of tables but the rules."""
+        lines = [line for line in text.splitlines() if line.startswith("| ")]
+        return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+    def test_moved_sets(self):
+        table = self.rows(self.script("excluded_moved_sets.py", PROGRAM, "--sets", "rings 3.4", "--moves", "0,1e-9"))
+        self.assertEqual(table[0][:3], ["moved by, Å", "sets", "refused"])
+        self.assertEqual([row[:4] for row in table[1:]], [["0", "6", "0", "0"], ["1e-09", "6", "0", "0"]])
+        self.assertEqual(table[1][5:], ["0.0e+00", "0.0e+00"])
+        self.assertTrue(0 < float(table[2][5]) < 1e-8, table)
+
+    def test_lists_with_a_skin(self):
+        need_package("python3-numpy", module="numpy")
+        # Balls of radius 1 at 0, 2.5 and 6: gaps of 0.5, 1.5 and 4. Lists for 2 S = 0.2 … 4.
+        spheres = self.file("a.xyzr", "0 0 0 1\n2.5 0 0 1\n6 0 0 1\n")
+        table = self.rows(self.script("skin_lists.py", spheres, "0"))
+        self.assertEqual(table[1][2:], ["0.0", "0.0", "0.7", "1.3", "1.3", "1.3"])
+        self.assertEqual(table[1][0], "0")
+        # Cells of 1 Å from 0, queries of 2 Å to both sides: cells 0-2 have two balls, 0-4 two, and 4-6 one.
+        self.assertEqual(table[1][1], "1.7")
+
+    def test_tables_of_a_study(self):
+        self.run_ok("study", "--sample", "bpti", "-o", self.folder / "s", "--mesher", "exact", "--edge-length", "1,2",
+                    "--subdivide", "0", "--self-intersections", "off", "--distances", "off", "--quiet")  # fmt: skip
+        table = self.rows(self.script("study_table.py", self.folder / "s" / "study.json"))
+        names = ["mesh", "crease-exact", "mesh", "crease-exact, 1 Å", "crease-exact, 2 Å"]
+        self.assertEqual([row[0] for row in table], names)
+        with (self.folder / "s" / "study.csv").open(newline="") as file:
+            triangles = [f"{int(row['triangles']):,}" for row in csv.DictReader(file)]
+        self.assertEqual([row[2] for row in table[3:]], triangles)
+        self.assertEqual([row[5] for row in table[3:]], ["0", "0"])

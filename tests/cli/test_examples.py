@@ -19,7 +19,7 @@ from program import PROGRAM, SOURCE_DIR, UBIQUITIN, ProgramTest, is_required, ne
 
 RUN = ("README.md", "docs/batch.md", "docs/pictures.md", "docs/scale.md", "docs/verbs.md")
 PROSE = ("README.md", "docs/concepts.md", "docs/index.md", "docs/install.md", "docs/pictures.md", "docs/start.md",
-         "docs/python.md", "data/README.md",
+         "docs/python.md", "docs/distances.md", "docs/excluded_surface.md", "docs/refinement.md", "data/README.md",
          *sorted(str(p.relative_to(SOURCE_DIR)) for p in (SOURCE_DIR / "docs" / "tasks").glob("*.md")))  # fmt: skip
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -34,6 +34,7 @@ ELSEWHERE = {
     ("docs/certificates.md", "$ vdwmesh exact"): "test_documents.py",
     ("docs/exact_mesh.md", "exact_mesh_table"): "a person: the table of peers is no part of the project",
     ("docs/excluded_surface.md", ". - ~"): PAGE,
+    ("docs/excluded_surface.md", "$ vdwmesh report"): "test_documents.py",
     ("docs/fuzzing.md", "scripts/install-deps.sh fuzz"): "scripts/test-sanitized.sh address, in .ci/run",
     ("docs/install.md", "apt install"): "scripts/try-packages.sh",
     ("docs/install.md", "scripts/build.sh package"): "scripts/release-check.sh",
