@@ -55,8 +55,7 @@ class AngleSum {
 // Measures one ball after another and keeps its memory for the next one.
 class BallMeasurer {
  public:
-  // Returns the measures of ball ∩ cell. The doubts about the cell are passed on with those found
-  // here.
+  // The measures of ball ∩ cell. The doubts about the cell are passed on with those found here.
   BallMeasures measure(const CellView& cell);
 
   // What a plane of the cell has in common with the ball.
@@ -70,21 +69,19 @@ class BallMeasurer {
 
     bool meets_ball() const { return crossed || ends > 0 || whole; }
   };
-  // A corner of the exposed patch, on an edge of the cell; with the names of CellEdge, the edge
-  // lies in the planes a and b. Direction 1: the corner lies from the edge's middle along axis a ×
-  // axis b, and an arc of circle a starts there and one of b ends; -1: the other way round.
+  // A corner of the exposed patch, on an edge of the cell. Direction 1: from the edge's middle it
+  // lies along axis a × axis b of the edge's planes; an arc of circle a starts there and one of b
+  // ends. -1: the other way round.
   struct PatchCorner {
     EdgeEnd edge;
     std::int32_t direction;
   };
-  // An edge of the cell by numbers: its vertices and its planes.
   struct CellEdge {
-    std::uint32_t from, to, a, b;
+    std::uint32_t from, to, a, b;  // its vertices and its planes
   };
   static CellEdge edge_of(const CellView& cell, EdgeEnd end);
 
-  // Of the last ball, if measure() found planes and an exposed patch, and no doubt. Without a patch
-  // there are no corners, and faces are not valid.
+  // Of the last ball. Without planes or an exposed patch it has no faces; the rest means nothing.
   bool has_faces() const { return has_faces_; }
   std::span<const PatchCorner> corners() const { return {patch_corners_.data(), corners_}; }
   std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
@@ -140,8 +137,8 @@ class BallMeasurer {
   std::uint64_t stamp_ = 0;
   std::uint32_t inside_ = 0, doubts_ = 0, segments_ = 0, corners_ = 0;
   double worst_ = 1;  // the largest condition number of a corner's angle
-  double pyramid_ =
-      0;          // sum t 2 F, until sum_up() without the sectors between arcs and disk centre
+  // Sum t 2 F, until sum_up() without the sectors between arcs and disk centre.
+  double pyramid_ = 0;
   Vec3d open_{};  // twice the vector area of the surface of the cut ball
   AngleSum turning_;
   std::vector<double> angles_, re_, im_;  // find_angles()

@@ -48,7 +48,7 @@ class BoundaryRows {
   std::vector<std::array<std::size_t, 3>> ends_{{0, 0, 0}};
 };
 
-inline constexpr std::size_t kBallsPerRows = 256;
+inline constexpr std::size_t kBallsPerRows = 64;
 
 // Of all balls.
 struct CellBoundary {

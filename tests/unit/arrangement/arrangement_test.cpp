@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "arrangement/mesher/boundary_arcs.hpp"
+#include "core/errors.hpp"
 #include "support/ball_families.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
@@ -105,11 +106,13 @@ TEST(Arrangement, OfContacts) {
   }
 }
 
-// Radii of which the least vanishes beside the largest, and coordinates that are larger than a
-// SphereSet takes once the radii are near 1.
+// Radii that differ by more powers of ten than the cells take, coordinates that are larger than a
+// SphereSet takes once the radii are near 1, and sets whose areas are no doubles.
 TEST(Arrangement, OfExtremeSizes) {
-  expect_as_in_complex({{{0, 0, 0}, 1e30}, {{1e30, 0, 0}, 1e-300}, {{0, 1e30, 0}, 1e29}});
+  expect_as_in_complex({{{0, 0, 0}, 1}, {{1, 0, 0}, 1e-35}, {{0, 1, 0}, 0.5}});
   expect_as_in_complex({{{0, 0, 0}, 1e-20}, {{1e-20, 0, 0}, 1e-20}, {{1e20, 0, 0}, 1e-20}});
+  const SphereSet too_far({{{0, 0, 0}, 1e30}, {{1e30, 0, 0}, 1e-300}, {{0, 1e30, 0}, 1e29}});
+  EXPECT_THROW(arrange(too_far), InvalidInput);
 }
 
 TEST(Arrangement, OfConcentricBalls) {
