@@ -7,6 +7,7 @@
 // 3. If features were reduced to points, compare() holds the Euler characteristic and the number of
 //    closed surfaces of the mesh against those of the dual complex.
 // The first mesh of the right topology is the result. If there is none, it is the first mesh made.
+// Several processes first try with an arrangement of parts (mesh_in_parts()).
 #include "arrangement/exact_mesher.hpp"
 
 #include <fmt/format.h>
@@ -25,6 +26,7 @@
 #include "arrangement/complex/topology.hpp"
 #include "arrangement/mesher/arrangement.hpp"
 #include "arrangement/mesher/mesh_team.hpp"
+#include "arrangement/mesher/part_arrangement.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "arrangement/mesher/split_fans.hpp"
 #include "arrangement/mesher/union_mesher.hpp"
@@ -225,6 +227,11 @@ class OneProcess final : public MeshTeam {
   void merge(std::vector<PieceSplit>&) const override {}
   std::uint32_t least(std::uint32_t mine) const override { return mine; }
   std::uint64_t sum(std::uint64_t mine) const override { return mine; }
+  std::uint64_t sum_before(std::uint64_t) const override { return 0; }
+  std::vector<std::vector<std::uint64_t>> exchange(
+      const std::vector<std::vector<std::uint64_t>>& to_each) const override {
+    return to_each;
+  }
   void take(UnnumberedPiece&& piece, std::uint64_t joined_corners) override {
     taken_ = std::move(piece.mesh);
     if (joined_corners > 0) split_fans(joined_corners, taken_);
@@ -238,6 +245,34 @@ class OneProcess final : public MeshTeam {
  private:
   IndexedMesh taken_, kept_;
 };
+
+// Meshes a set of which each process arranges its part. Returns nothing, in all of them, if
+// features had to be reduced to points or curves are too close: corners that were joined and other
+// feature sizes concern the whole set. So do balls of no ordinary size (Arrangement::is_ordinary).
+std::optional<ExactMeshStats> mesh_in_parts(MeshTeam& team, const SphereSet& spheres,
+                                            const ExactMeshOptions& options) {
+  const Clock::time_point begin = Clock::now();
+  std::optional<ArrangedPart> part;
+  team.together(
+      [&] { part = arrange_part(spheres, team.number(), team.count(), options.monitor); });
+  const BoundaryArcs& boundary = part->boundary;
+  const bool concerns_whole =
+      boundary.points + boundary.contacts + boundary.joins > 0 || !part->arrangement.is_ordinary;
+  if (team.sum(std::uint64_t{concerns_whole}) > 0) return std::nullopt;
+  const std::uint64_t triangulated = team.sum(part->doubtful);
+  const double arrangement_seconds = seconds_since(begin);
+  try {
+    ExactMeshStats stats = mesh_boundary(part->arrangement, std::move(part->boundary), options,
+                                         nullptr, team, &part->part);
+    team.keep();
+    stats.triangulated_balls = triangulated;
+    stats.arrangement_seconds = arrangement_seconds;
+    stats.seconds = seconds_since(begin);
+    return stats;
+  } catch (const CurvesTooClose&) {
+    return std::nullopt;
+  }
+}
 
 class CpuExactMesher final : public ExactMesher {
  public:
@@ -264,14 +299,16 @@ ExactMesh mesh_union_with(PatchDevice* device, const SphereSet& spheres,
 ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSet& spheres,
                              const ExactMeshOptions& options) {
   const Clock::time_point begin = Clock::now();
+  team.together([&] { check(spheres, options); });
+  if (team.count() > 1) {
+    if (const auto stats = mesh_in_parts(team, spheres, options)) return *stats;
+  }
   std::optional<Arrangement> arrangement;
-  team.together([&] {
-    check(spheres, options);
-    arrangement = arrange(spheres, options.monitor);
-  });
+  team.together([&] { arrangement = arrange(spheres, options.monitor); });
   const double arrangement_seconds = seconds_since(begin);
   ExactMeshStats stats = FeatureSizeSearch(*arrangement, options, device, team).run();
-  stats.triangulated_balls = arrangement->triangulated;
+  stats.triangulated_balls =
+      static_cast<std::uint64_t>(std::ranges::count(arrangement->is_doubtful, 1));
   stats.arrangement_seconds = arrangement_seconds;
   stats.seconds = seconds_since(begin);
   return stats;

@@ -65,8 +65,8 @@ struct ExactMeshStats {
   // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU. How
   // many a device gets depends on the number of the host's cores (DeviceWork).
   std::uint64_t device_patches = 0, left_patches = 0;
-  // Balls whose arcs double precision did not decide, or that touch such a ball: an exact
-  // triangulation of the balls around them decided.
+  // Balls whose arcs double precision did not decide: an exact triangulation of the balls around
+  // them decided.
   std::uint64_t triangulated_balls = 0;
   // Wall time. The first is the part before meshing: arcs and corners, and areas.
   double arrangement_seconds = 0, seconds = 0;

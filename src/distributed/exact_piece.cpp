@@ -176,6 +176,11 @@ class AllRanks final : public MeshTeam {
   std::size_t number() const override { return static_cast<std::size_t>(ranks_.number()); }
   void together(const std::function<void()>& work) const override { ranks_.together(work); }
   std::uint64_t sum(std::uint64_t mine) const override { return ranks_.sum(mine); }
+  std::uint64_t sum_before(std::uint64_t mine) const override { return ranks_.sum_before(mine); }
+  std::vector<std::vector<std::uint64_t>> exchange(
+      const std::vector<std::vector<std::uint64_t>>& to_each) const override {
+    return ranks_.exchange(to_each);
+  }
   std::uint32_t least(std::uint32_t mine) const override {
     return std::ranges::min(ranks_.of_all(mine));
   }

@@ -1,6 +1,7 @@
-// The crease-exact mesh of all ranks together. Every rank arranges all balls and samples all arcs,
-// but meshes the patches of a run of balls only. All of them stand behind each other as the mesh
-// that one process makes, bit for bit. No rank holds the whole mesh.
+// The crease-exact mesh of all ranks together. Every rank arranges a run of balls and those that
+// touch them, or all balls if features of the set have no size, and meshes the patches of its run
+// only. All of them stand behind each other as the mesh that one process makes, bit for bit. No
+// rank holds the whole mesh.
 #pragma once
 
 #include "arrangement/exact_mesher.hpp"

@@ -259,7 +259,6 @@ bool is_ordinary(const Sphere& s) {
 void arrange_by_triangulation(Arrangement& a, Monitor* monitor) {
   a.whole = whole_complex(a.balls, monitor);
   a.boundary = exposed_boundary(a.whole->triangulation, a.whole->complex);
-  a.triangulated = a.balls.balls.size();
 }
 
 }  // namespace
@@ -271,15 +270,22 @@ WholeComplex whole_complex(const PlacedBalls& balls, Monitor* monitor) {
 }
 
 Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
+  return arrange(placed_balls(spheres), monitor);
+}
+
+Arrangement arrange(PlacedBalls placed, Monitor* monitor) {
   Arrangement a;
-  a.balls = placed_balls(spheres);
+  a.balls = std::move(placed);
   const std::vector<Sphere>& balls = a.balls.balls;
-  if (!std::ranges::all_of(balls, is_ordinary)) {
+  a.is_ordinary = std::ranges::all_of(balls, is_ordinary);
+  if (!a.is_ordinary) {
+    a.is_doubtful.assign(balls.size(), 1);
     arrange_by_triangulation(a, monitor);
     return a;
   }
   const CellList list = make_ball_list(SphereSet::view(balls));
   CellBoundary cells = cell_boundary(list.view(), monitor);
+  a.is_doubtful = cells.is_doubtful;
   ExactRows exact;
   if (std::ranges::find(cells.is_doubtful, 1) != cells.is_doubtful.end()) {
     const std::vector<std::uint8_t> wanted = with_touching(list.view(), cells.is_doubtful);
@@ -291,7 +297,6 @@ Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
     }
     exact = exact_rows(balls, rows, all, monitor);
     for (std::size_t i = 0; i < rows.size(); ++i) cells.areas[rows[i]] = exact.areas[i];
-    a.triangulated = rows.size();
   }
   if (RowJoiner(cells, exact).run(a.boundary)) {
     a.boundary.areas = std::move(cells.areas);

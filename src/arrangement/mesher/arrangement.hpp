@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "arrangement/complex/exposed_boundary.hpp"
 #include "core/monitor.hpp"
@@ -21,8 +22,9 @@ struct Arrangement {
   ExposedBoundary boundary;
   // If it was needed to decide the boundary.
   std::optional<WholeComplex> whole;
-  // Balls of which double precision did not decide the power cell, so a triangulation did.
-  std::uint64_t triangulated = 0;
+  // By ball: double precision did not decide its power cell, so a triangulation did.
+  std::vector<std::uint8_t> is_doubtful;
+  bool is_ordinary = true;  // no ball is of a size for which numbers would over- or underflow
 };
 
 // Arranges the balls by the power cell of each (arcs/boundary_rows.hpp). Of balls that this leaves
@@ -30,6 +32,7 @@ struct Arrangement {
 // that of the dual complex, exposed_boundary(), but for the last bits of the areas. Throws
 // InvalidInput and Cancelled, and LimitExceeded as triangulate() does.
 Arrangement arrange(const SphereSet& spheres, Monitor* monitor = nullptr);
+Arrangement arrange(PlacedBalls balls, Monitor* monitor = nullptr);
 
 // Triangulates all balls of an arrangement.
 WholeComplex whole_complex(const PlacedBalls& balls, Monitor* monitor = nullptr);

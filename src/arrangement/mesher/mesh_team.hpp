@@ -1,10 +1,10 @@
 // The processes that make one crease-exact mesh together, as the mesher sees them. Each of them
-// knows all balls and arcs and meshes the patches of a run of balls. One process alone is a team
-// too. src/distributed/ has the team of all ranks.
+// meshes the patches of a run of balls. It has arranged these and the balls around them, or all.
+// One process alone is a team too. src/distributed/ has the team of all ranks.
 //
 // All members must call the functions in the same order. Work that may throw is done inside of
 // together(), which makes all of them throw; whatever else the mesher does depends on nothing but
-// what all of them know.
+// what all of them know, or they tell each other.
 #pragma once
 
 #include <array>
@@ -49,6 +49,11 @@ class MeshTeam {
   virtual void merge(std::vector<PieceSplit>& splits) const = 0;
   virtual std::uint32_t least(std::uint32_t mine) const = 0;
   virtual std::uint64_t sum(std::uint64_t mine) const = 0;
+  // The sum over the processes of lower numbers.
+  virtual std::uint64_t sum_before(std::uint64_t mine) const = 0;
+  // Sends to_each[p] to process p, and returns what came from each of them.
+  virtual std::vector<std::vector<std::uint64_t>> exchange(
+      const std::vector<std::vector<std::uint64_t>>& to_each) const = 0;
 
   // Takes a mesh that was made, in place of the one taken before. If corners were joined, the fans
   // of triangles at its first `joined_corners` vertices are parted (split_fans()).

@@ -12,10 +12,12 @@
 // which goes to the team.
 //
 // Several processes may do this together (mesh_team.hpp). Each meshes the patches of a run of
-// balls; after each round all of them split the pieces that any of them wants split.
+// balls. If all of them have arranged all balls, all split the pieces that any of them wants split.
+// If each has arranged its part (OwnedPart), those on both sides of a border do (mesh_borders.hpp).
 //
 // If curves nearly coincide, splitting might never end. Three limits end it with CurvesTooClose: on
-// the number of rounds, on the number of pieces, and on how straight a piece to be split may be.
+// the number of rounds, on the number of pieces, and on how straight a piece to be split may be
+// (split_limits.hpp).
 #include "arrangement/mesher/union_mesher.hpp"
 
 #include <fmt/format.h>
@@ -35,9 +37,11 @@
 
 #include "arrangement/mesher/device_patches.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/mesh_borders.hpp"
 #include "arrangement/mesher/mesh_placement.hpp"
 #include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
+#include "arrangement/mesher/split_limits.hpp"
 #include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
 
@@ -49,28 +53,13 @@ namespace {
 // round kMostRounds, the mesher gives up.
 constexpr int kQualityRounds = 12;
 constexpr int kMostRounds = 60;
-// How many pieces there may be on one arc, and in all, besides 64 for each piece there was at
-// first: kMostGrowth for the usual and finer feature sizes, kCoarserGrowth for coarser ones.
-// Coarser sizes are tried only after curves were found too close for the usual sizes, and several
-// of them in turn, so less is spent on each. In a small set the limit on all ends the splitting of
-// several curves; in a large molecule it allows millions of pieces, and the limit on one arc ends
-// it.
-constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 16, kCoarserGrowth = kMostGrowth / 4;
-// A piece counts as straight if its sagitta, the largest distance between chord and arc, is below
-// this fraction of the size of its coordinates. Rounding moves a coordinate of size S by up to
-// 2^-53 S, which is 32 times as far. So the midpoint of such a piece lies on its chord, as far as
-// coordinates tell.
-constexpr double kStraight = 0x1p-58;
-
-double largest_coordinate(const Vec3d& p) {
-  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-}
 
 // One run of the mesher; run() lists the steps.
 class UnionMesher {
  public:
   UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
-              const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team)
+              const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
+              const OwnedPart* part)
       : options_(options),
         team_(team),
         t_(arrangement.balls),
@@ -79,12 +68,14 @@ class UnionMesher {
         index_(t_, arrangement.boundary, boundary_),
         edge_lengths_(scaled_edge_lengths(t_, options)),
         sampling_(boundary_, edge_lengths_),
-        pieces_at_first_(count_pieces()),
-        pieces_of_arc_at_first_(sampling_.pieces()),
-        allowed_growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
+        limits_(t_.ids, boundary_, sampling_),
         progress_(t_.balls.size()),
         patches_(t_.balls.size()),
         has_coincident_points_(t_.balls.size(), 0) {
+    if (part) {
+      share_ = part->share;
+      borders_.emplace(boundary_, *part, team_);
+    }
     if (!device) return;
     device->forget();
     device_ = device;
@@ -99,33 +90,50 @@ class UnionMesher {
   ExactMeshStats run() && {
     team_.together([&] {
       const PatchExtents extents{areas_, edge_lengths_};
-      share_ = own_share(team_, boundary_, extents);
-      check_memory(share_, extents, count_pieces() / team_.count(), options_);
+      if (!borders_) share_ = own_share(team_, boundary_, extents);
+      check_memory(share_, extents, own_pieces(), options_);
     });
+    pieces_at_first_ = all_pieces();
     mesh_patches();
     UnnumberedPiece piece;
     team_.together([&] {
       sampling_.number_vertices();
       assemble(piece);
     });
+    if (borders_) borders_->number_in_whole(sampling_, piece.elsewhere);
     team_.take(std::move(piece), boundary_.has_joined_corners ? boundary_.corners.size() : 0);
     ExactMeshStats stats = stats_;
     stats.exact_tests = team_.sum(stats.exact_tests);
-    stats.arcs = boundary_.arcs.size();
-    stats.corners = boundary_.corners.size();
+    stats.arcs = whole_count(boundary_.arcs.size(), share_.arcs);
+    stats.corners = whole_count(boundary_.corners.size(), share_.corners);
+    stats.split = borders_ ? team_.sum(stats.split) : stats.split;
     stats.points = boundary_.points;
     stats.contacts = boundary_.contacts;
     stats.joins = boundary_.joins;
     stats.arc_size = boundary_.sizes.arc;
     stats.circle_size = boundary_.sizes.circle;
-    stats.pieces = count_pieces();
+    stats.pieces = all_pieces();
     return stats;
   }
 
  private:
+  // The pieces of all arcs here, or of those of the part.
   std::uint64_t count_pieces() const {
-    const std::vector<std::uint32_t>& pieces = sampling_.pieces();
-    return std::accumulate(pieces.begin(), pieces.end(), std::uint64_t{0});
+    const auto first = sampling_.pieces().begin();
+    const auto [begin, end] =
+        borders_ ? share_.arcs
+                 : MeshShare::Run{0, static_cast<std::uint32_t>(boundary_.arcs.size())};
+    return std::accumulate(first + begin, first + end, std::uint64_t{0});
+  }
+  // How many pieces this process has, about.
+  std::uint64_t own_pieces() const {
+    return borders_ ? count_pieces() : count_pieces() / team_.count();
+  }
+  // How many all processes have, and how many elements there are in all, of which those in the run
+  // are of this process. Collective.
+  std::uint64_t all_pieces() const { return borders_ ? team_.sum(count_pieces()) : count_pieces(); }
+  std::uint64_t whole_count(std::size_t here, const MeshShare::Run& run) const {
+    return borders_ ? team_.sum(std::uint64_t{run.second - run.first}) : here;
   }
 
   // Whether the ball's sphere is exposed as a whole, except for points of contact. A sphere without
@@ -162,14 +170,24 @@ class UnionMesher {
         coincident = first_coincident(balls);
         splits = wanted_splits(balls);
       });
-      coincident = team_.least(coincident);
-      if (coincident != kNoIndex) refuse_coincident(coincident);
-      team_.merge(splits);
+      // A part has numbers of its own for its balls, and refuses by itself.
+      if (!borders_) coincident = team_.least(coincident);
+      agree([&] {
+        if (coincident != kNoIndex) refuse_coincident(coincident);
+      });
+      if (borders_) {
+        borders_->merge(splits);
+      } else {
+        team_.merge(splits);
+      }
       last_splits_ = std::move(splits);
-      if (last_splits_.empty()) return;
-      if (round == kMostRounds) refuse(last_splits_.front().piece);
-      check_straightness(last_splits_);
-      stats_.split += last_splits_.size();
+      const std::uint64_t wanted = last_splits_.size();
+      if ((borders_ ? team_.sum(wanted) : wanted) == 0) return;
+      agree([&] {
+        if (round == kMostRounds && wanted > 0) limits_.refuse(last_splits_.front().piece);
+        limits_.check_straightness(last_splits_);
+      });
+      stats_.split += borders_ ? borders_->count_own(last_splits_) : wanted;
       bool fits = true;
       team_.together([&] {
         sampling_.split(last_splits_);
@@ -179,7 +197,25 @@ class UnionMesher {
         if (on_device_) share_with_device(balls, next, stage);
         balls = std::move(next);
       });
-      check_growth(last_splits_, team_.least(fits) != 0);
+      const SplitLimits::Growth growth{pieces_at_first_, all_pieces(), team_.least(fits) != 0,
+                                       options_.memory_limit};
+      agree([&] { limits_.check_growth(last_splits_, growth); });
+    }
+  }
+
+  // Does a check that may throw CurvesTooClose. If all processes have arranged all balls, it comes
+  // to the same in all of them; parts have to tell each other.
+  template <class Check>
+  void agree(const Check& check) const {
+    if (!borders_) return check();
+    bool refused = false;
+    try {
+      check();
+    } catch (const CurvesTooClose&) {
+      refused = true;
+    }
+    if (team_.sum(std::uint64_t{refused}) > 0) {
+      throw CurvesTooClose("curves of a part are too close to be told apart");
     }
   }
 
@@ -201,63 +237,11 @@ class UnionMesher {
     });
   }
 
-  // Gives up if a piece to be split is straight (kStraight). The split would not move any point off
-  // the chord, so whatever crosses the piece or folds over it would do so with the halves as well.
-  // The sagitta of an arc of radius r and angle a is r a² / 8 for small a.
-  void check_straightness(const std::vector<PieceSplit>& splits) const {
-    const auto is_straight = [&](std::size_t i) {
-      const ArcPiece& piece = splits[i].piece;
-      const BoundaryArc& arc = boundary_.arcs[piece.arc];
-      const double angle = sampling_.piece_angle(piece);
-      return arc.radius * angle * angle / 8 <
-             kStraight * (largest_coordinate(arc.center) + arc.radius);
-    };
-    if (const auto i = first_of_all(splits.size(), is_straight)) refuse(splits[*i].piece);
-  }
-
   // Whether there is memory for this process's part of the pieces, with four triangles and two
   // vertices for each.
   bool pieces_fit() const {
-    const std::uint64_t pieces = count_pieces() / team_.count();
+    const std::uint64_t pieces = own_pieces();
     return indexed_mesh_bytes({2 * pieces, 4 * pieces}, kPatchArrays) <= options_.memory_limit;
-  }
-
-  // Gives up if there are too many pieces for the memory of any process, or more of one arc or in
-  // all than allowed_growth_ plus 64 for each piece there was at first. Curves that nearly coincide
-  // ask for shorter and shorter pieces. The message names the two spheres of that arc, among those
-  // just split, which has the most pieces.
-  void check_growth(const std::vector<PieceSplit>& splits, bool fits) const {
-    const std::uint64_t pieces = count_pieces();
-    const auto has_grown = [&](std::uint64_t now, std::uint64_t at_first) {
-      return now > allowed_growth_ + 64 * at_first;
-    };
-    const auto is_too_fine = [&](std::size_t i) {
-      const std::uint32_t arc = splits[i].piece.arc;
-      return has_grown(sampling_.pieces(arc), pieces_of_arc_at_first_[arc]);
-    };
-    if (const auto i = first_of_all(splits.size(), is_too_fine)) refuse(splits[*i].piece);
-    if (fits && !has_grown(pieces, pieces_at_first_)) return;
-    const auto& longest = *std::max_element(
-        splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
-          return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
-        });
-    if (fits) refuse(longest.piece);
-    const auto& balls = boundary_.arcs[longest.piece.arc].balls;
-    throw CurvesTooClose(fmt::format(
-        "where spheres {} and {} meet, {} points are not enough to tell curves apart: allow more "
-        "memory than {} bytes, or leave out one of two spheres that all but coincide, or use "
-        "marching cubes",
-        t_.ids[balls[0]], t_.ids[balls[1]], pieces, options_.memory_limit));
-  }
-
-  // Gives up at a piece, naming the two spheres that meet there.
-  [[noreturn]] void refuse(const ArcPiece& piece) const {
-    const auto& balls = boundary_.arcs[piece.arc].balls;
-    throw CurvesTooClose(fmt::format(
-        "where spheres {} and {} meet, curves of the boundary are too close to be told apart in "
-        "double precision: leave out one of two spheres that all but coincide, or use marching "
-        "cubes",
-        t_.ids[balls[0]], t_.ids[balls[1]]));
   }
 
   // Meshes the patch of one ball into patches_[ball]. Threads run this at the same time for
@@ -468,14 +452,12 @@ class UnionMesher {
   PatchIndex index_;
   std::vector<double> edge_lengths_;  // by ball, scaled
   ArcSampling sampling_;
-  // The number of pieces before any was split, in all and by arc; and the number that is allowed
-  // besides 64 for each of these.
-  std::uint64_t pieces_at_first_;
-  std::vector<std::uint32_t> pieces_of_arc_at_first_;
-  std::uint64_t allowed_growth_;
+  SplitLimits limits_;
+  std::uint64_t pieces_at_first_ = 0;  // of all processes, before any was split
   tbb::enumerable_thread_specific<PatchScratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one
   MeshShare share_;                      // of this process
+  std::optional<MeshBorders> borders_;   // if each process has arranged its part
   // By ball; empty for balls that have not begun or have finished.
   std::vector<std::unique_ptr<PatchProgress>> progress_;
   std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
@@ -490,9 +472,11 @@ class UnionMesher {
 }  // namespace
 
 ExactMeshStats mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
-                             const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team) {
+                             const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
+                             const OwnedPart* part) {
   std::optional<UnionMesher> mesher;
-  team.together([&] { mesher.emplace(arrangement, std::move(boundary), options, device, team); });
+  team.together(
+      [&] { mesher.emplace(arrangement, std::move(boundary), options, device, team, part); });
   return std::move(*mesher).run();
 }
 

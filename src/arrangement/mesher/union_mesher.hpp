@@ -5,22 +5,22 @@
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/mesher/arrangement.hpp"
 #include "arrangement/mesher/boundary_arcs.hpp"
+#include "arrangement/mesher/mesh_borders.hpp"
 #include "arrangement/mesher/mesh_team.hpp"
 #include "arrangement/mesher/patch_device.hpp"
-#include "core/errors.hpp"
+#include "arrangement/mesher/split_limits.hpp"
 
 namespace vdwmesh {
-
-// Thrown if curves of the boundary lie too close to be told apart. Coarser feature sizes may help.
-class CurvesTooClose : public LimitExceeded {
-  using LimitExceeded::LimitExceeded;
-};
 
 // Meshes the boundary, each process of the team its part, and gives that to the team. The mesh
 // depends on the arrangement, the boundary and the options alone, not on the number of threads or
 // processes. Throws CurvesTooClose, LimitExceeded, Cancelled, in all processes.
 // A device, if there is one, meshes the patches once their boundaries are settled.
+// `part`: what this process has of the arrangement, if that is of its own balls and those around
+// them, and the boundary has the arcs and corners at its own balls alone. Null: the arrangement is
+// that of all balls.
 ExactMeshStats mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
-                             const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team);
+                             const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
+                             const OwnedPart* part = nullptr);
 
 }  // namespace vdwmesh

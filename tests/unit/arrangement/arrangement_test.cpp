@@ -54,7 +54,7 @@ std::uint64_t expect_as_in_complex(const std::vector<Sphere>& balls) {
     const double r = t.balls[b].radius;
     EXPECT_NEAR(found.boundary.areas[b], exact.areas[b], kAreaError * r * r) << "ball " << b;
   }
-  return found.triangulated;
+  return static_cast<std::uint64_t>(std::ranges::count(found.is_doubtful, 1));
 }
 
 // A heap of balls that the cells decide, far from all balls of a family, and larger than these.

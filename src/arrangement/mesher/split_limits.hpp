@@ -1,0 +1,49 @@
+// When to give up splitting pieces: if curves nearly coincide, it might never end.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arrangement/mesher/arc_sampling.hpp"
+#include "arrangement/mesher/boundary_arcs.hpp"
+#include "core/errors.hpp"
+#include "spheres/sphere_set.hpp"
+
+namespace vdwmesh {
+
+// Thrown if curves of the boundary lie too close to be told apart. Coarser feature sizes may help.
+class CurvesTooClose : public LimitExceeded {
+  using LimitExceeded::LimitExceeded;
+};
+
+class SplitLimits {
+ public:
+  // Keeps references. `ids`: of the balls; the sampling is as yet without splits.
+  SplitLimits(std::span<const SphereId> ids, const BoundaryArcs& boundary,
+              const ArcSampling& sampling);
+
+  // All three throw CurvesTooClose, with the two spheres that meet in a piece.
+  [[noreturn]] void refuse(const ArcPiece& piece) const;
+  // Gives up if a piece to be split is straight.
+  void check_straightness(std::span<const PieceSplit> splits) const;
+  // Gives up if pieces just split have too many pieces on their arcs, if all arcs together have, or
+  // if they do not fit into memory. The counts are of all arcs, before any split and now.
+  struct Growth {
+    std::uint64_t pieces_at_first, pieces;
+    bool fits;
+    std::uint64_t memory_limit;
+  };
+  void check_growth(std::span<const PieceSplit> splits, const Growth& growth) const;
+
+ private:
+  bool has_grown(std::uint64_t now, std::uint64_t at_first) const;
+
+  std::span<const SphereId> ids_;
+  const BoundaryArcs& boundary_;
+  const ArcSampling& sampling_;
+  std::vector<std::uint32_t> pieces_of_arc_at_first_;
+  std::uint64_t allowed_growth_;  // besides 64 for each piece that there was at first
+};
+
+}  // namespace vdwmesh
