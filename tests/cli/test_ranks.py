@@ -1,13 +1,17 @@
 """vdwmesh-mpi: the same results from any number of ranks, and how all of them end where one fails."""
 
+import collections
+import concurrent.futures
 import contextlib
 import functools
+import hashlib
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 from pathlib import Path
@@ -17,13 +21,28 @@ from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTe
 RANKS_PROGRAM = os.environ["VDWMESH_RANKS_PROGRAM"]
 MPIRUN = os.environ["VDWMESH_MPIRUN"]
 HAS_HDF5 = os.environ["VDWMESH_RANKS_HDF5"] == "1"
-# Open MPI wants to be asked twice before root may start ranks.
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+# Open MPI wants to be asked twice before root may start ranks. Ranks that wait for others must leave them the cores,
+# also where there are no more ranks than cores, because several runs share these.
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMPI_MCA_mpi_yield_when_idle": "1"}  # fmt: skip
 
 ONE_ATOM = "0 0 0 1.7\n"
 FAR_APART = "0 0 0 1.7\n50 0 0 1.2\n0 60 3 1.5\n1 2 300 2\n"
 TWINS = "0 0 0 1.7\n1 0 0 1.7\n0 0 0 1.7\n"
 FLAT = "".join(f"{1.5 * x} {1.5 * y} 0 1.6\n" for x in range(30) for y in range(30))
+
+
+FIELDS = ("blinn", "soft", "inverse-squared")
+COUNTS = ("--topology", "counts")
+LEVELS = ((1, (1, 2, 3, 5, 7)), (2, (2, 7)))  # of subdivision, and by how many ranks
+
+
+def thesis_molecules():
+    return sorted(need_shared("molecules/thesis").iterdir())
+
+
+def sparse_sets():
+    return sorted(need_shared("molecules/sparse").glob("*.xyzr"))
 
 
 def command(ranks, *arguments, quiet=("-q",)):
@@ -35,12 +54,24 @@ def run_ranks(ranks, *arguments, quiet=("-q",), **options):
                           env=ENVIRONMENT, **options)  # fmt: skip
 
 
+def at_once(calls):
+    """The results of functions without arguments. A start takes some tenths of a second, in which processes wait for
+    each other and cores have nothing to do, so several runs are under way at the same time."""
+    with concurrent.futures.ThreadPoolExecutor(4) as threads:
+        return [result.result() for result in [threads.submit(call) for call in calls]]
+
+
 def need_hdf5():
     if not HAS_HDF5:
         missing("VDWMESH_REQUIRE_PACKAGES", "vdwmesh-mpi was built without libhdf5-openmpi-dev")
 
 
 class RanksTest(ProgramTest):
+    def few_and_far(self):
+        """One atom, fewer atoms than ranks, pieces far apart, and all in one plane."""
+        sets = (("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS), ("flat", FLAT))
+        return [self.file(f"{name}.xyzr", text) for name, text in sets]
+
     def run_ranks_ok(self, ranks, *arguments, **options):
         """mpirun says why it fails, as it would not with -q. Where it could not even start the ranks, which say
         themselves why they fail, it is asked once more, and its first answer stands in the log."""
@@ -48,121 +79,129 @@ class RanksTest(ProgramTest):
         if result.returncode != DONE and "vdwmesh-mpi: " not in result.stderr and "stdin" not in options:
             print(f"mpirun ended with {result.returncode}: {result.stderr}", file=sys.stderr)
             result = run_ranks(ranks, *arguments, quiet=(), **options)
-        self.assertEqual(result.returncode, DONE, result.stderr)
+        self.assertEqual(result.returncode, DONE, f"{ranks} ranks, {arguments}: {result.stderr}")
         return result
 
     def assert_all_end(self, status, *arguments, says=(), ranks=3, **options):
         """All ranks end, and one line says why. mpirun -q adds none of its own."""
+        self.assert_each_ends(status, (arguments, says), ranks=ranks, **options)
+
+    def assert_each_ends(self, status, *cases, ranks=3, **options):
+        """The same for several cases, each of arguments and of what the line must say."""
         before = self.files()
-        result = run_ranks(ranks, *arguments, **options)
-        self.assertEqual(result.returncode, status, result.stderr)
-        self.assertEqual(result.stdout, "")
-        self.assertRegex(result.stderr, r"\Avdwmesh-mpi: [^\n]+\n\Z")
-        for word in says:
-            self.assertIn(word, result.stderr)
+        results = at_once(functools.partial(run_ranks, ranks, *arguments, **options) for arguments, _ in cases)
+        for (arguments, says), result in zip(cases, results):
+            with self.subTest(arguments=arguments):
+                self.assertEqual(result.returncode, status, result.stderr)
+                self.assertEqual(result.stdout, "")
+                self.assertRegex(result.stderr, r"\Avdwmesh-mpi: [^\n]+\n\Z")
+                for word in says:
+                    self.assertIn(word, result.stderr)
         self.assertEqual(self.files(), before)
+
+
+# Standard error, a hash of the mesh file, and the report with and without what may differ.
+Made = collections.namedtuple("Made", "errors digest document report")
 
 
 class Meshes(RanksTest):
     """The file is that of the plain program, byte by byte, and so is the report but for times, ranks and memory."""
 
     def mesh(self, start, *arguments):
-        """Standard error, the bytes of the mesh and the lines of the report."""
-        mesh, report = self.folder / "mesh.ply", self.folder / "report.json"
-        result = start("mesh", *arguments, "-o", mesh, "--quiet", "--json", report)
-        document = re.sub(r'"timing": \{.*?\}\s*\}', "", report.read_text(), flags=re.DOTALL)
+        with tempfile.TemporaryDirectory(dir=self.folder) as folder:
+            mesh, path = Path(folder) / "mesh.ply", Path(folder) / "report.json"
+            result = start("mesh", *arguments, "-o", mesh, "--quiet", "--json", path)
+            digest, report = hashlib.sha256(mesh.read_bytes()).hexdigest(), path.read_text()
+        document = re.sub(r'"timing": \{.*?\}\s*\}', "", report.replace(folder, ""), flags=re.DOTALL)
         self.assertNotIn('"total"', document)
         document = re.sub(r'"made by [^"]*each",?', "", document)
         document = re.sub(r",\s*\]", "]", document)
         document = re.sub(r'"(memory_limit|memory_estimate|threads)": \w+', "", document)
         document = re.sub(r'"seconds": [-+.e\w]+', "", document)  # of the arrangement
-        return result.stderr.replace("vdwmesh-mpi", "vdwmesh"), mesh.read_bytes(), document
+        return Made(result.stderr.replace("vdwmesh-mpi", "vdwmesh"), digest, re.sub(r"\s", "", document), report)
 
     def assert_same_file(self, path, *options, ranks):
+        return self.assert_same_files((path, options, ranks))[0]
+
+    def assert_same_files(self, *cases):
+        """For each case, of a path, options and numbers of ranks. Returns what the plain program made."""
         # Without any option the plain program follows the creases, and ranks do not.
-        if "--spacing" not in options and "--mesher" not in options:
-            options = (*options, "--spacing", "0.5")
-        errors, mesh, report = self.mesh(self.run_ok, path, "--backend", "cpu", *options)
-        for count in ranks:
+        cases = [(path, options if "--spacing" in options or "--mesher" in options else (*options, "--spacing", "0.5"), ranks)
+                 for path, options, ranks in cases]  # fmt: skip
+        plain = at_once(functools.partial(self.mesh, self.run_ok, path, "--backend", "cpu", *options)
+                        for path, options, _ in cases)  # fmt: skip
+        runs = [(path, options, count, expected) for (path, options, ranks), expected in zip(cases, plain) for count in ranks]
+        made = at_once(functools.partial(self.mesh, functools.partial(self.run_ranks_ok, count), path, "--backend", "cpu",
+                                         *options) for path, options, count, _ in runs)  # fmt: skip
+        for (path, options, count, expected), ours in zip(runs, made):
             with self.subTest(path=str(path), options=options, ranks=count):
-                start = functools.partial(self.run_ranks_ok, count)
-                ours = self.mesh(start, path, "--backend", "cpu", *options)
-                self.assertTrue(ours[1] == mesh, "the files differ")
-                self.assertEqual(re.sub(r"\s", "", ours[2]), re.sub(r"\s", "", report))
-                self.assertEqual(ours[0], errors)
-        return mesh
+                self.assertEqual(ours.digest, expected.digest, "the files differ")
+                self.assertEqual(ours.document, expected.document)
+                self.assertEqual(ours.errors, expected.errors)
+        return plain
 
     def test_any_number_of_ranks(self):
-        self.assert_same_file(UBIQUITIN, ranks=(1, 2, 3, 5, 7))
-        self.assert_same_file(UBIQUITIN, "--field", "blinn", ranks=(2, 5))
+        self.assert_same_files((UBIQUITIN, (), (1, 2, 3, 5, 7)), (UBIQUITIN, ("--field", "blinn"), (2, 5)))
 
     def test_few_and_far_atoms(self):
         """One atom, fewer bricks than ranks, pieces far apart, all bricks in one layer."""
-        for name, text in (("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS), ("flat", FLAT)):
-            path = self.file(f"{name}.xyzr", text)
-            self.assert_same_file(path, ranks=(2, 7))
-            self.assert_same_file(path, "--spacing", "0.3", "--field", "soft", ranks=(3,))
+        paths = self.few_and_far()
+        self.assert_same_files(*((path, (), (2, 7)) for path in paths),
+                               *((path, ("--spacing", "0.3", "--field", "soft"), (3,)) for path in paths))  # fmt: skip
 
     def test_every_field_and_preset(self):
-        for field in ("blinn", "soft", "inverse-squared"):
-            for preset in ("radius-aware", "thesis", "thesis-vdw"):
-                self.assert_same_file(UBIQUITIN, "--field", field, "--preset", preset, "--spacing",
-                                      "0.7", ranks=(3,))  # fmt: skip
+        self.assert_same_files(*((UBIQUITIN, ("--field", field, "--preset", preset, "--spacing", "0.7"), (3,))
+                                 for field in FIELDS for preset in ("radius-aware", "thesis", "thesis-vdw")))  # fmt: skip
 
     def test_surfaces_that_the_grid_cuts(self):
         self.assert_same_file(UBIQUITIN, "--padding", "0", "--field", "blinn", ranks=(3,))
 
     def test_reference_molecules(self):
-        for path in sorted(need_shared("molecules/thesis").iterdir()):
-            self.assert_same_file(path, "--spacing", "0.8", ranks=(3,))
+        self.assert_same_files(*((path, ("--spacing", "0.8"), (3,)) for path in thesis_molecules()))
 
     def test_sparse_sets(self):
-        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
-            self.assert_same_file(path, "--probe", "1.4", ranks=(3,))
+        self.assert_same_files(*((path, ("--probe", "1.4"), (3,)) for path in sparse_sets()))
 
     REFINED = ("--spacing", "1", "--crossings", "allow")
 
     def test_subdivisions(self):
         """Moves that turn triangles are taken back on borders too."""
-        for level, ranks in ((1, (1, 2, 3, 5, 7)), (2, (2, 7))):
-            self.assert_same_file(UBIQUITIN, *self.REFINED, "--subdivide", level, ranks=ranks)
-        self.assertGreater(json.loads((self.folder / "report.json").read_text())["mesh"]["newton"]["undone"], 20)
+        made = self.assert_same_files(*((UBIQUITIN, (*self.REFINED, "--subdivide", level), ranks)
+                                        for level, ranks in LEVELS))  # fmt: skip
+        self.assertGreater(json.loads(made[-1].report)["mesh"]["newton"]["undone"], 20)
 
     def test_subdivisions_of_every_field_and_projection(self):
-        for field in ("blinn", "soft", "inverse-squared"):
-            self.assert_same_file(UBIQUITIN, *self.REFINED, "--subdivide", "1", "--field", field, ranks=(3,))
-        self.assert_same_file(UBIQUITIN, *self.REFINED, "--subdivide", "1", "--field", "soft", "--project", "vdw", ranks=(3,))
-        self.assert_same_file(UBIQUITIN, "--spacing", "1", "--subdivide", "1", "--project", "none", ranks=(3,))
+        refined = (*self.REFINED, "--subdivide", "1")
+        self.assert_same_files(*((UBIQUITIN, (*refined, "--field", field), (3,)) for field in FIELDS),
+                               (UBIQUITIN, (*refined, "--field", "soft", "--project", "vdw"), (3,)),
+                               (UBIQUITIN, ("--spacing", "1", "--subdivide", "1", "--project", "none"), (3,)))  # fmt: skip
 
     def test_subdivisions_of_few_and_far_atoms(self):
-        for name, text in (("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS), ("flat", FLAT)):
-            path = self.file(f"{name}.xyzr", text)
-            self.assert_same_file(path, *self.REFINED, "--subdivide", "2", ranks=(3, 7))
+        self.assert_same_files(*((path, (*self.REFINED, "--subdivide", "2"), (3, 7)) for path in self.few_and_far()))
 
     def test_subdivisions_of_reference_molecules(self):
-        for path in sorted(need_shared("molecules/thesis").iterdir()):
-            self.assert_same_file(path, "--spacing", "1.6", "--crossings", "allow", "--subdivide", "1", ranks=(3,))
+        refined = ("--spacing", "1.6", "--crossings", "allow", "--subdivide", "1")
+        self.assert_same_files(*((path, refined, (3,)) for path in thesis_molecules()))
 
     def test_subdivisions_of_sparse_sets(self):
-        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
-            self.assert_same_file(path, *self.REFINED, "--probe", "1.4", "--subdivide", "2", ranks=(3,))
+        refined = (*self.REFINED, "--probe", "1.4", "--subdivide", "2")
+        self.assert_same_files(*((path, refined, (3,)) for path in sparse_sets()))
 
     EXACT = ("--mesher", "exact", "--edge-length", "0.8")
 
     def test_crease_exact(self):
         """Every rank splits the pieces of arcs that any of them wants split."""
-        self.assert_same_file(UBIQUITIN, *self.EXACT, ranks=(1, 2, 3, 5, 7))
-        self.assertGreater(json.loads((self.folder / "report.json").read_text())["mesh"]["arrangement"]["split"], 1000)
-        self.assert_same_file(UBIQUITIN, *self.EXACT, "--probe", "1.4", "--relative-edge", "0.3", ranks=(3,))
+        made = self.assert_same_files((UBIQUITIN, self.EXACT, (1, 2, 3, 5, 7)),
+                                      (UBIQUITIN, (*self.EXACT, "--probe", "1.4", "--relative-edge", "0.3"), (3,)))  # fmt: skip
+        self.assertGreater(json.loads(made[0].report)["mesh"]["arrangement"]["split"], 1000)
 
     def test_crease_exact_with_lengths_of_atoms(self):
         """The first rank alone knows the atoms."""
         self.assert_same_file(UBIQUITIN, *self.EXACT, "--edge-length-of", "A/10-40=0.3", ranks=(2,))
 
     def test_crease_exact_levels(self):
-        for level, ranks in ((1, (1, 2, 3, 5, 7)), (2, (2, 7))):
-            self.assert_same_file(UBIQUITIN, *self.EXACT, "--subdivide", level, ranks=ranks)
-        self.assert_same_file(UBIQUITIN, *self.EXACT, "--subdivide", "1", "--project", "none", ranks=(3,))
+        self.assert_same_files(*((UBIQUITIN, (*self.EXACT, "--subdivide", level), ranks) for level, ranks in LEVELS),
+                               (UBIQUITIN, (*self.EXACT, "--subdivide", "1", "--project", "none"), (3,)))  # fmt: skip
 
     def test_crease_exact_of_joined_corners(self):
         """Cubes of a lattice meet in points and in edges, where fans of triangles are parted across ranks; and balls
@@ -171,20 +210,18 @@ class Meshes(RanksTest):
         corners = "".join(f"{x} {y} {z} {3 ** 0.5 / 2!r}\n" for x, y, z in lattice)
         touching = "".join(f"{2 * x} {2 * y} {2 * z} 1\n" for x, y, z in lattice)
         checkers = "".join(f"{x} {y} {z} {3 ** 0.5 / 2!r}\n" for x, y, z in lattice if (x + y + z) % 2 == 0)
-        for name, text in (("corners", corners), ("touching", touching), ("checkers", checkers), ("one", ONE_ATOM),
-                           ("far", FAR_APART), ("twins", TWINS)):  # fmt: skip
-            path = self.file(f"{name}.xyzr", text)
-            self.assert_same_file(path, *self.EXACT, ranks=(2, 5))
-            self.assert_same_file(path, *self.EXACT, "--subdivide", "1", ranks=(3,))
+        paths = [self.file(f"{name}.xyzr", text)
+                 for name, text in (("corners", corners), ("touching", touching), ("checkers", checkers),
+                                    ("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS))]  # fmt: skip
+        self.assert_same_files(*((path, self.EXACT, (2, 5)) for path in paths),
+                               *((path, (*self.EXACT, "--subdivide", "1"), (3,)) for path in paths))  # fmt: skip
 
     def test_crease_exact_of_reference_molecules(self):
-        for path in sorted(need_shared("molecules/thesis").iterdir()):
-            self.assert_same_file(path, *self.EXACT, ranks=(3,))
+        self.assert_same_files(*((path, self.EXACT, (3,)) for path in thesis_molecules()))
 
     def test_crease_exact_of_sparse_sets(self):
-        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
-            if path.name not in ("pencil4.xyzr", "pencil4b.xyzr"):
-                self.assert_same_file(path, *self.EXACT, "--subdivide", "1", ranks=(3,))
+        self.assert_same_files(*((path, (*self.EXACT, "--subdivide", "1"), (3,)) for path in sparse_sets()
+                                 if path.name not in ("pencil4.xyzr", "pencil4b.xyzr")))  # fmt: skip
 
     def test_curves_that_cannot_be_told_apart(self):
         """All ranks give up alike, with the line of the plain program."""
@@ -197,10 +234,10 @@ class Meshes(RanksTest):
         self.assertEqual(ranks.stderr, plain.stderr.replace("vdwmesh: ", "vdwmesh-mpi: "))
 
     def test_standard_input_is_of_the_first_rank(self):
-        expected = self.assert_same_file(UBIQUITIN, ranks=())
+        expected = self.assert_same_file(UBIQUITIN, ranks=()).digest
         with open(UBIQUITIN) as text:
             self.run_ranks_ok(2, "mesh", "-", "--format", "pdb", "-o", self.folder / "a.ply", stdin=text)
-        self.assertEqual((self.folder / "a.ply").read_bytes(), expected)
+        self.assertEqual(hashlib.sha256((self.folder / "a.ply").read_bytes()).hexdigest(), expected)
 
     def test_a_file_is_replaced_and_keeps_its_permissions(self):
         path = self.file("a.ply", "old")
@@ -290,27 +327,35 @@ class ExactUnions(RanksTest):
 
     def results(self, start, *arguments):
         """Standard output, the JSON report and the table of atoms, without times."""
-        report, atoms = self.folder / "r.json", self.folder / "a.csv"
-        result = start("exact", *arguments, "--json", report, "--per-atom", atoms)
+        with tempfile.TemporaryDirectory(dir=self.folder) as folder:
+            report, atoms = Path(folder) / "r.json", Path(folder) / "a.csv"
+            result = start("exact", *arguments, "--json", report, "--per-atom", atoms)
+            document, table = report.read_text().replace(folder, ""), atoms.read_text()
         text = re.sub(r"(?m)^(Time|CPU) \(s\).*$", "", result.stdout)
-        document = re.sub(r'("timing": \{.*?\})\s*\}', "", report.read_text(), flags=re.DOTALL)
+        document = re.sub(r'("timing": \{.*?\})\s*\}', "", document, flags=re.DOTALL)
         self.assertNotIn('"total"', document)
-        return text, document, atoms.read_text(), result.stderr
+        return text, document, table, result.stderr
 
     def assert_same_results(self, path, *options, ranks, topology="counts"):
-        plain = self.results(self.run_ok, path, "--topology", topology, "--backend", "cpu", *options)
-        for count in ranks:
+        return self.assert_all_same_results((path, (*options, "--topology", topology), ranks))[0]
+
+    def assert_all_same_results(self, *cases):
+        """For each case, of a path, options and numbers of ranks. Returns what the plain program made."""
+        plain = at_once(functools.partial(self.results, self.run_ok, path, "--backend", "cpu", *options)
+                        for path, options, _ in cases)  # fmt: skip
+        runs = [(path, options, count, expected) for (path, options, ranks), expected in zip(cases, plain) for count in ranks]
+        made = at_once(functools.partial(self.results, functools.partial(self.run_ranks_ok, count), path, *options)
+                       for path, options, count, _ in runs)  # fmt: skip
+        for (path, options, count, expected), together in zip(runs, made):
             with self.subTest(path=str(path), options=options, ranks=count):
-                start = functools.partial(self.run_ranks_ok, count)
-                together = self.results(start, path, "--topology", topology, *options)
-                for ours, expected in zip(together, plain):
-                    self.assertEqual(ours, expected)
+                for ours, theirs in zip(together, expected):
+                    self.assertEqual(ours, theirs)
         return plain
 
     def test_any_number_of_ranks(self):
-        self.assert_same_results(UBIQUITIN, ranks=(1, 2, 3, 5, 7))
-        self.assert_same_results(UBIQUITIN, "--probe", "1.4", ranks=(2, 3, 5))
-        self.assert_same_results(UBIQUITIN, topology="off", ranks=(3,))
+        self.assert_all_same_results((UBIQUITIN, COUNTS, (1, 2, 3, 5, 7)),
+                                     (UBIQUITIN, (*COUNTS, "--probe", "1.4"), (2, 3, 5)),
+                                     (UBIQUITIN, ("--topology", "off"), (3,)))  # fmt: skip
 
     def test_chosen_atoms_residues_and_polarity(self):
         self.assert_same_results(UBIQUITIN, "--radii", "protor", "--probe", "1.4", "--group", "residue", ranks=(3,))
@@ -318,8 +363,7 @@ class ExactUnions(RanksTest):
             self.assert_same_results(UBIQUITIN, "--measure", "(LYS)", topology=topology, ranks=(5,))
 
     def test_few_and_far_atoms(self):
-        for name, text in (("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS), ("flat", FLAT)):
-            self.assert_same_results(self.file(f"{name}.xyzr", text), ranks=(2, 7))
+        self.assert_all_same_results(*((path, COUNTS, (2, 7)) for path in self.few_and_far()))
 
     def test_components_that_many_ranks_share(self):
         """Rods along x that the shares cut, and one that joins two of them."""
@@ -335,12 +379,10 @@ class ExactUnions(RanksTest):
         self.assertGreater(int(re.search(r'"fallback_spheres": (\d+)', document)[1]), 0)
 
     def test_reference_molecules(self):
-        for path in sorted(need_shared("molecules/thesis").iterdir()):
-            self.assert_same_results(path, ranks=(3,))
+        self.assert_all_same_results(*((path, COUNTS, (3,)) for path in thesis_molecules()))
 
     def test_sparse_sets(self):
-        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
-            self.assert_same_results(path, "--probe", "1.4", ranks=(3,))
+        self.assert_all_same_results(*((path, (*COUNTS, "--probe", "1.4"), (3,)) for path in sparse_sets()))
 
     def test_ranks_that_cannot_share_memory_take_copies(self):
         """The first rank may make no file of the size of the spheres, not even in memory."""
@@ -365,26 +407,31 @@ class Faults(RanksTest):
         return ("mesh", path, "-o", self.folder / to, *options)
 
     def test_wrong_options(self):
-        self.assert_all_end(BAD_INPUT, *self.mesh("--spacing", "0"), says=("--spacing",))
-        self.assert_all_end(BAD_INPUT, *self.mesh("--mesher", "exact", "--spacing", "1"), says=("--edge-length",))
         cubes = self.mesh("--mesher", "marching-cubes", "--edge-length", "1")
-        self.assert_all_end(BAD_INPUT, *cubes, says=("--edge-length", "--spacing"))
-        self.assert_all_end(BAD_INPUT, *self.mesh("--subdivide", "1"), says=("--crossings allow",))
-        self.assert_all_end(BAD_INPUT, *self.mesh(to="a.stl"), says=(".ply", ".vtkhdf"))
+        cases = [
+            (self.mesh("--spacing", "0"), ("--spacing",)),
+            (self.mesh("--mesher", "exact", "--spacing", "1"), ("--edge-length",)),
+            (cubes, ("--edge-length", "--spacing")),
+            (self.mesh("--subdivide", "1"), ("--crossings allow",)),
+            (self.mesh(to="a.stl"), (".ply", ".vtkhdf")),
+            (("mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply"), ("there is no folder",)),
+            (("mesh", UBIQUITIN, "-o", "/dev/null"), ("/dev/null",)),
+            (("report", UBIQUITIN), ("not a verb",)),
+        ]
         if not HAS_HDF5:
-            self.assert_all_end(BAD_INPUT, *self.mesh(to="a.vtkhdf"), says=("HDF5", ".ply"))
-        self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply",
-                            says=("there is no folder",))  # fmt: skip
-        self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", "/dev/null", says=("/dev/null",))
-        self.assert_all_end(BAD_INPUT, "report", UBIQUITIN, says=("not a verb",))
+            cases.append((self.mesh(to="a.vtkhdf"), ("HDF5", ".ply")))
+        self.assert_each_ends(BAD_INPUT, *cases)
 
     def test_wrong_options_of_exact(self):
         exact = ("exact", UBIQUITIN)
-        self.assert_all_end(BAD_INPUT, *exact, "--topology", "on", says=("vdwmesh exact", "counts"))
-        self.assert_all_end(BAD_INPUT, *exact, "--method", "cgal", says=("--method",))
-        self.assert_all_end(BAD_INPUT, *exact, "--measure", "(XYZ)", says=("XYZ",))
-        self.assert_all_end(BAD_INPUT, *exact, "--probe=-9", says=("--probe",))
-        self.assert_all_end(BAD_INPUT, *exact, "--json", self.folder / "no" / "a.json", says=("--json",))
+        self.assert_each_ends(
+            BAD_INPUT,
+            ((*exact, "--topology", "on"), ("vdwmesh exact", "counts")),
+            ((*exact, "--method", "cgal"), ("--method",)),
+            ((*exact, "--measure", "(XYZ)"), ("XYZ",)),
+            ((*exact, "--probe=-9"), ("--probe",)),
+            ((*exact, "--json", self.folder / "no" / "a.json"), ("--json",)),
+        )
 
     def test_a_report_that_cannot_be_written(self):
         self.assert_all_end(BAD_INPUT, "exact", UBIQUITIN, "--json", "/dev/full", says=("/dev/full",))
@@ -490,6 +537,13 @@ class Faults(RanksTest):
         self.assertIn(self.files(), ([], ["a.ply"]))
         for name in self.files():
             self.assertEqual((self.folder / name).stat().st_size, self.whole_size())
+
+
+    def test_a_rank_that_fails_after_a_failure_that_was_caught(self):
+        """All end, as they would not if they took the first failure for one that leaves nobody waiting."""
+        start = [MPIRUN, "-q", "--oversubscribe", "-n", "3", os.environ["VDWMESH_RANKS_AFTER_FAILURE"]]
+        result = subprocess.run(start, capture_output=True, text=True, timeout=120, env=ENVIRONMENT)
+        self.assertEqual((result.returncode, result.stderr), (LIMIT_HIT, "rank 2 ends all\n"))
 
 
 class Help(RanksTest):
