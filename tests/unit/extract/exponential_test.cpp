@@ -35,5 +35,24 @@ TEST(Exponential, OfZeroIsOneAndFarBelowIsZero) {
   EXPECT_EQ(exponential(-1e9), 0.0);
 }
 
+// The method of the header with std::ldexp() in the place of exponent bits.
+float with_ldexp(float x) {
+  const float t = std::fmaf(x, 1.44269504f, 12582912.0f), n = t - 12582912.0f;
+  const float r = std::fmaf(n, 2.12194440e-4f, std::fmaf(n, -0.693359375f, x));
+  float p = std::fmaf(r, 1.0f / 5040, 1.0f / 720);
+  for (const float next : {1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f, 1.0f}) {
+    p = std::fmaf(r, p, next);
+  }
+  return std::ldexp(p, static_cast<int>(n));
+}
+
+TEST(Exponential, ExponentBitsAreThoseOfTheRoundedQuotient) {
+  constexpr int steps = 1 << 20;
+  for (int i = 0; i <= steps; ++i) {
+    const float x = -87.0f + 175.0f * static_cast<float>(i) / steps;
+    ASSERT_EQ(exponential(x), with_ldexp(x)) << x;
+  }
+}
+
 }  // namespace
 }  // namespace vdwmesh
