@@ -25,6 +25,7 @@
 #include <span>
 #include <utility>
 
+#include "arrangement/complex/overlapping_pairs.hpp"
 #include "arrangement/complex/power_predicates.hpp"
 #include "arrangement/complex/regular_cells.hpp"
 #include "core/fixed_blocks.hpp"
@@ -32,16 +33,6 @@
 
 namespace vdwmesh {
 namespace {
-
-// A cell is a tetrahedron of the triangulation. It has six pairs of vertices. Bit p of a pair mask
-// stands for kPairs[p]. kFacetPairs[k] holds the three pairs on the facet opposite to vertex k.
-constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-constexpr std::uint8_t kAllPairs = 63;
-constexpr std::array<std::uint8_t, 4> kFacetPairs{{0b111000, 0b100110, 0b010101, 0b001011}};
-
-// Whether all of `bits` are set in the mask.
-bool contains(std::uint8_t mask, std::uint8_t bits) { return (mask & bits) == bits; }
 
 // Position, 0 to 3, of a value that must be there: of a vertex among a cell's four vertices, or of
 // a cell among a cell's four neighbours.
@@ -119,24 +110,6 @@ class Builder {
   // Sets a flag that several threads may set at once.
   static void set(std::uint8_t& flag) { std::atomic_ref(flag).store(1, std::memory_order_relaxed); }
 
-  // Returns the mask of pairs whose balls may meet. This is a floating-point filter: it may keep a
-  // pair whose balls do not meet, but never drops one whose balls do. kSlack exceeds the rounding
-  // of both sides (a few 1e-16); kTiny covers squares that underflow; NaN keeps the pair.
-  std::uint8_t overlapping_pairs(const std::array<std::uint32_t, 4>& cell) const {
-    constexpr double kSlack = 1 + 0x1p-40, kTiny = 1e-280;
-    std::uint8_t mask = 0;
-    for (std::size_t p = 0; p < 6; ++p) {
-      const std::uint32_t i = cell[kPairs[p][0]], j = cell[kPairs[p][1]];
-      if (!t_.is_ball(i) || !t_.is_ball(j)) continue;
-      const Sphere &a = t_.balls[i], &b = t_.balls[j];
-      const double reach = a.radius + b.radius;
-      if (!(squared_norm(b.center - a.center) > kSlack * reach * reach + kTiny)) {
-        mask = static_cast<std::uint8_t>(mask | (1u << p));
-      }
-    }
-    return mask;
-  }
-
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
   // Marks the vertices of the cell as strict, except vertex `skipped` (4: none).
@@ -151,7 +124,7 @@ class Builder {
   // regular triangulation is never attached: at its orthogonal centre no other ball has less power.
   void classify_cell(std::uint32_t c) {
     const auto& v = t_.cells[c];
-    overlaps_[c] = overlapping_pairs(v);
+    overlaps_[c] = overlapping_pairs(t_, v);
     out_.cell_triangles[c].fill(kNoIndex);
     out_.cell_in_complex[c] = 0;
     if (overlaps_[c] != kAllPairs) return;

@@ -18,9 +18,9 @@ namespace vdwmesh {
 
 struct PowerTriangulation : PlacedBalls {
   // For each cell its vertices, positively oriented and otherwise ascending, and for each vertex
-  // the neighbouring cell opposite to it (kNoIndex: none). A vertex is an index into `balls`; four
-  // further indices from balls.size() on are the auxiliary points. A ball that the weights hide is
-  // a vertex of no cell.
+  // the neighbouring cell opposite to it (kNoIndex: none). A vertex is an index into
+  // `PlacedBalls::balls`; four further indices from balls.size() on are the auxiliary points. A
+  // ball that the weights hide is a vertex of no cell.
   Buffer<std::array<std::uint32_t, 4>> cells, neighbors;
 
   bool is_ball(std::uint32_t vertex) const { return vertex < balls.size(); }
@@ -29,6 +29,10 @@ struct PowerTriangulation : PlacedBalls {
 // The vertices of the facet opposite to vertex k of a cell, counter-clockwise seen from vertex k.
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
     {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
+
+// The six pairs of vertices of a cell, which is a tetrahedron.
+inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 // The triangulation is exact for any finite input. It does not depend on the order of the spheres,
 // except for their ids, nor on the number of threads.

@@ -27,8 +27,6 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::uint32_t kOuter = 0;
-constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 // A partition into numbered sets.
 struct Labels {
