@@ -164,7 +164,7 @@ TEST(Arrangement, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_TRUE(std::ranges::equal(free.boundary.arcs, alone.boundary.arcs));
   EXPECT_TRUE(std::ranges::equal(free.boundary.corners, alone.boundary.corners));
   EXPECT_EQ(free.boundary.areas, alone.boundary.areas);
-  EXPECT_EQ(free.triangulated, alone.triangulated);
+  EXPECT_EQ(free.is_doubtful, alone.is_doubtful);
 }
 
 // The numbers of balls that stay do not depend on balls that are left out, as long as the box
