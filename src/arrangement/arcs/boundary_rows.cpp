@@ -116,14 +116,14 @@ class CellReader {
 };
 
 // Memory of one thread.
-struct ThreadSpace {
+struct ReadingSpace {
   arcs::BallCaps caps;
   arcs::CutBall ball;
   CellReader reader;
 };
 
 // Reads the row of one ball and returns its exposed area, or nothing if there is a doubt.
-std::optional<double> read_ball(const CellListView& list, std::uint32_t place, ThreadSpace& work,
+std::optional<double> read_ball(const CellListView& list, std::uint32_t place, ReadingSpace& work,
                                 BoundaryRows& out) {
   if (!work.caps.find(list, place)) return 0.0;  // buried
   const arcs::BallMeasures m = work.ball.measure(work.caps.caps());
@@ -142,7 +142,7 @@ std::optional<double> read_ball(const CellListView& list, std::uint32_t place, T
 // The balls of one block.
 VDWMESH_MULTIVERSION void read_balls(const CellListView& list,
                                      std::span<const std::uint32_t> places, std::size_t first,
-                                     ThreadSpace& work, CellBoundary& out) {
+                                     ReadingSpace& work, CellBoundary& out) {
   BoundaryRows& rows = out.rows[first / kBallsPerRows];
   for (std::size_t i = 0; i < places.size(); ++i) {
     const std::optional<double> area = read_ball(list, places[i], work, rows);
@@ -169,7 +169,7 @@ CellBoundary cell_boundary(const CellListView& list, Monitor* monitor) {
   });
   CellBoundary out{std::vector<BoundaryRows>(block_count(count, kBallsPerRows)),
                    std::vector<std::uint8_t>(count), std::vector<double>(count)};
-  tbb::enumerable_thread_specific<ThreadSpace> spaces;
+  tbb::enumerable_thread_specific<ReadingSpace> spaces;
   for_each_block(count, kBallsPerRows, [&](std::size_t, std::size_t first, std::size_t end) {
     advance(monitor, 0);
     read_balls(list, std::span(places).subspan(first, end - first), first, spaces.local(), out);
