@@ -167,12 +167,12 @@ TEST(ExcludedMesher, Twins) {
   }
 }
 
-// Curves nearer than double precision tells them apart: two atoms at 10⁻¹¹ Å. The limit of pieces
+// Curves nearer than double precision tells them apart: two atoms at 2·10⁻¹³ Å. The limit of pieces
 // of a curve ends the splitting, before that of memory does.
 TEST(ExcludedMesher, CurvesTooCloseAreRefused) {
   const SphereSet atoms({{{-0.62398072410211602, 1.3578527558693247, -2.5823597666731049}, 1.25},
                          {{0.19796461228475604, -1.311940823126506, -2.0339964764260143}, 1.625},
-                         {{-0.62398072412041095, 1.3578527558673894, -2.5823597666855407}, 1.25}});
+                         {{-0.623980724102299, 1.3578527558693054, -2.582359766673229}, 1.25}});
   ExcludedMeshOptions options;
   options.edge_length = 0.7;
   options.memory_limit = 2'000'000'000;
