@@ -71,6 +71,7 @@ __device__ inline std::uint64_t balls_near_edge(const SharedBalls& items, std::u
     return near;
   };
   constexpr std::uint32_t word = kMostSharedBalls / 2;
+  static_assert(word == 32);  // the bits of each half
   const std::uint32_t low = near_among(0, count < word ? count : word);
   const std::uint32_t high = near_among(word, count);
   return static_cast<std::uint64_t>(high) << word | low;

@@ -1,12 +1,13 @@
 // AccessibleSurface: arcs, probes, pieces and components of the boundary of the grown balls.
 //
-// 1. Each exposed arc gets its shape. Points in which balls touch are no arcs and are left out. 2.
-// Corners at the ends of arcs without length are gathered into one probe (union-find). 3. A loop of
-// a ball's exposed part is a cycle of arcs, joined at corners (union-find). Loops bound the same
-// piece if a way through cells outside the complex, all around the ball, leads from one to the
-// other. 4. The Euler characteristic of a piece with n loops is 2 - n. Gauss–Bonnet gives its solid
-// angle, ω = 2 π (2 - n) + Σ φ cos β - Σ ε, with the angles φ of arcs, the angular radii β of their
-// circles and the turning angles ε. The integral of its normal is ½ ∮ w × dw.
+// 1. Each exposed arc gets its shape. Points in which balls touch are no arcs and are left out.
+// 2. Corners at the ends of arcs without length are gathered into one probe (union-find).
+// 3. A loop of a ball's exposed part is a cycle of arcs, joined at corners (union-find). Loops
+//    bound the same piece if a way through cells outside the complex, all around the ball, leads
+//    from one to the other.
+// 4. The Euler characteristic of a piece with n loops is 2 - n. Gauss–Bonnet gives its solid angle,
+//    ω = 2 π (2 - n) + Σ φ cos β - Σ ε, with the angles φ of arcs, the angular radii β of their
+//    circles and the turning angles ε. The integral of its normal is ½ ∮ w × dw.
 #include "excluded/accessible_surface.hpp"
 
 #include <algorithm>

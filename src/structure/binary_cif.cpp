@@ -190,10 +190,9 @@ class Reader {
   using Flags = Buffer<std::uint8_t>;
 
   // Marks the rows of the block that differ from the row before in what read_place() reads, and its
-  // first row. In columns of texts
-  // it is enough to compare their numbers, and few rows are marked: most have the residue of the
-  // row before. The columns of subchains and entities need no look, for which the first row of a
-  // residue decides.
+  // first row. In columns of texts it is enough to compare their numbers, and few rows are marked:
+  // most have the residue of the row before. The columns of subchains and entities need no look,
+  // for which the first row of a residue decides.
   Flags rows_that_begin(std::size_t rows) const {
     Flags begins(rows, 0);
     begins.front() = 1;

@@ -30,7 +30,7 @@ struct AtomRecord {
   std::uint32_t line = 0;     // line of the file (CIF and mmCIF: row of the atom table), from 1
   std::uint32_t residue = 0;  // its number in the hierarchy, from 0
   float occupancy = 1;
-  float b_iso = 0;  // Å²; temperature factor, for selections
+  float b_iso = 20;  // Å²; temperature factor, for selections; gemmi's where the format has none
   gemmi::El element{};
   char altloc = '\0';            // label of the alternate location; '\0': none
   bool hetero = false;           // the record is HETATM

@@ -13,7 +13,7 @@
 
 #include "arrangement/mesher/boundary_arcs.hpp"
 #include "core/errors.hpp"
-#include "support/ball_families.hpp"
+#include "support/family_sets.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
 
@@ -69,15 +69,10 @@ std::vector<Sphere> beside_a_heap(std::vector<Sphere> balls, Dice& dice) {
 
 TEST(Arrangement, OfSetsUnlikeProteinsIsThatOfTheDualComplex) {
   std::uint64_t triangulated = 0;
-  for (unsigned seed = 0; seed < 350; ++seed) {
-    SCOPED_TRACE(seed);
-    const BallFamily& family = kBallFamilies[seed % std::size(kBallFamilies)];
-    Dice dice(seed);
-    std::vector<Sphere> balls = family.make(dice);
+  for_sets_of_families(350, [&](std::vector<Sphere> balls, Dice& dice, unsigned seed) {
     if (seed % 2 == 0) balls = beside_a_heap(std::move(balls), dice);
     triangulated += expect_as_in_complex(balls);
-    if (HasFailure()) FAIL() << family.name;
-  }
+  });
   EXPECT_GT(triangulated, 0u);  // lattices and twins
 }
 

@@ -7,14 +7,13 @@
 #include <algorithm>
 #include <barrier>
 #include <exception>
-#include <iterator>
 #include <numeric>
 #include <thread>
 #include <vector>
 
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
-#include "support/ball_families.hpp"
+#include "support/family_sets.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -186,14 +185,9 @@ bool expect_same_by(std::size_t members, const SphereSet& spheres) {
 
 TEST(MeshTeam, PartsOfSetsUnlikeProteinsAreThoseOfOneProcess) {
   std::size_t in_parts = 0;
-  for (unsigned seed = 0; seed < 60; ++seed) {
-    SCOPED_TRACE(seed);
-    const BallFamily& family = kBallFamilies[seed % std::size(kBallFamilies)];
-    Dice dice(seed);
-    const std::vector<Sphere> balls = family.make(dice);
+  for_sets_of_families(60, [&](const std::vector<Sphere>& balls, Dice&, unsigned seed) {
     in_parts += expect_same_by(2 + seed % 4, SphereSet(balls));
-    if (HasFailure()) FAIL() << family.name;
-  }
+  });
   EXPECT_GT(in_parts, 15u);
 }
 

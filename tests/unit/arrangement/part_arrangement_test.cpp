@@ -7,10 +7,9 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <vector>
 
-#include "support/ball_families.hpp"
+#include "support/family_sets.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -112,13 +111,9 @@ bool expect_whole_in_parts(const std::vector<Sphere>& balls, std::size_t parts) 
 
 TEST(PartArrangement, PartsOfSetsUnlikeProteinsAreThoseOfTheWhole) {
   std::size_t without_features = 0;
-  for (unsigned seed = 0; seed < 150; ++seed) {
-    SCOPED_TRACE(seed);
-    const BallFamily& family = kBallFamilies[seed % std::size(kBallFamilies)];
-    Dice dice(seed);
-    without_features += expect_whole_in_parts(family.make(dice), 2 + seed % 4);
-    if (HasFailure()) FAIL() << family.name;
-  }
+  for_sets_of_families(150, [&](const std::vector<Sphere>& balls, Dice&, unsigned seed) {
+    without_features += expect_whole_in_parts(balls, 2 + seed % 4);
+  });
   EXPECT_GT(without_features, 50u);
 }
 

@@ -6,11 +6,10 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <iterator>
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
-#include "support/ball_families.hpp"
+#include "support/family_sets.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -28,12 +27,8 @@ void expect_same_in_blocks(const std::vector<Sphere>& balls) {
 }
 
 TEST(PowerTriangulationInBlocks, OfSetsUnlikeProteins) {
-  for (unsigned seed = 0; seed < 200; ++seed) {
-    SCOPED_TRACE(seed);
-    const BallFamily& family = kBallFamilies[seed % std::size(kBallFamilies)];
-    Dice dice(seed);
-    ASSERT_NO_FATAL_FAILURE(expect_same_in_blocks(family.make(dice))) << family.name;
-  }
+  for_sets_of_families(
+      200, [](const std::vector<Sphere>& balls, Dice&, unsigned) { expect_same_in_blocks(balls); });
 }
 
 // Every cube of eight balls is a tie, which CGAL decides by the places of the balls.

@@ -208,6 +208,20 @@ TEST(Microheterogeneity, SharedNumbersWithoutLabelsAreKept) {
   EXPECT_EQ(left({{" CA ", "SER", 1}, {" CA ", "THR", 1}}).size(), 2U);
 }
 
+// gemmi gives an atom 20 Å² where the file has no temperature factor, and selections ask gemmi.
+TEST(Selection, ByTemperatureFactorWhereTheFormatHasNone) {
+  for (const auto& [select, used] : {std::pair{";b>19.9", 2U}, {";b<20.1", 2U}}) {
+    ReadOptions options;
+    options.select = select;
+    const Molecule pqr = read_text_as("a.pqr",
+                                      "ATOM 1 N MET 1 -6.4 5.5 -3.3 -0.3 1.85\n"
+                                      "ATOM 2 CA MET 1 1.0 2.0 3.0 0.1 2.275\n",
+                                      options);
+    EXPECT_EQ(pqr.atoms_used, used) << select;
+    EXPECT_EQ(read_text_as("a.xyzr", "0 0 0 1\n3 0 0 1\n", options).atoms_used, used) << select;
+  }
+}
+
 TEST(Selection, ComesAfterTheWaterRule) {
   ReadOptions options;
   options.select = "A/2-3/CA,CB";
