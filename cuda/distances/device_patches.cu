@@ -43,7 +43,7 @@ FlatPatches flatten(const ExposedSurface& surface, const std::vector<Counts>& fi
   for_each_index(patches.size(), [&](std::size_t i) {
     const Patch& patch = patches[i];
     flat.balls[i] = patch.ball;
-    flat.ranks[i] = surface.list().rank[patch.place];
+    flat.ranks[i] = to_index(surface.list().rank[patch.place]);
     flat.patches[i] = patch;
     flat.patches[i].covers = covers + first[i].covers;
     flat.patches[i].corners = corners + first[i].corners;

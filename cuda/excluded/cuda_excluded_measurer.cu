@@ -97,9 +97,10 @@ class CudaExcludedMeasurer final : public ExcludedMeasurer {
     DeviceArray<double> radius = x.make<double>(atoms.size);
     DeviceArray<SphereMeasures> by_place = x.make<SphereMeasures>(atoms.size);
     x.run("order_by_place", atoms.size,
-          OrderByPlace{list.id, spheres, rows, radius.data(), by_place.data()});
-    const Balls balls{list.spheres, radius.data(), by_place.data(), list.id, list.set,
-                      list.size,    probe};
+          OrderByPlace{list.id.data(), spheres, rows, radius.data(), by_place.data()});
+    const Balls balls{
+        list.spheres.data(), radius.data(), by_place.data(), list.id.data(), list.set.data(),
+        list.size,           probe};
     std::vector<Vec3d> home;
     for (std::size_t s = 0; s < atoms.set_count(); ++s) {
       home.push_back(atoms.spheres[atoms.set_begin(s)].center);

@@ -18,19 +18,20 @@ using measure::BatchCellsView;
 // With `other`, writes the lists instead of counting.
 __global__ void list_overlaps(BatchCellsView list, const SphereMeasures* measures, bool by_id,
                               std::uint64_t* first, std::uint32_t* other, std::uint32_t* owner) {
-  const std::uint64_t place = thread_index() / 32;
-  if (place >= list.size) return;
+  const std::uint64_t i = thread_index() / 32;
+  if (i >= list.size) return;
+  const auto place = static_cast<ListPlace>(i);
   const unsigned lane = threadIdx.x % 32;
-  const std::uint32_t self = by_id ? list.id[place] : static_cast<std::uint32_t>(place);
-  if (measures != nullptr && measures[place].area == 0) {
+  const auto name_of = [&](ListPlace at) { return by_id ? list.id[at] : to_index(at); };
+  const std::uint32_t self = name_of(place);
+  if (measures != nullptr && measures[i].area == 0) {
     if (lane == 0 && other == nullptr) first[self] = 0;
     return;
   }
   const Sphere ball = list.spheres[place];
-  const std::uint32_t set = list.set != nullptr ? list.set[place] : 0;
   const std::uint64_t begin = other != nullptr ? first[self] : 0;
   std::uint64_t found = 0;
-  measure::visit_near(list, ball, set, lane, [&](std::uint32_t k, bool here) {
+  measure::visit_near(list, ball, measure::set_at(list, place), lane, [&](ListPlace k, bool here) {
     bool near = false;
     if (here && k != place) {
       const Sphere s = list.spheres[k];
@@ -42,7 +43,7 @@ __global__ void list_overlaps(BatchCellsView list, const SphereMeasures* measure
     if (near && other != nullptr) {
       const std::uint64_t at =
           begin + found + static_cast<std::uint64_t>(__popc(hits & ((1u << lane) - 1)));
-      other[at] = by_id ? list.id[k] : k;
+      other[at] = name_of(k);
       owner[at] = self;
     }
     found += static_cast<std::uint64_t>(__popc(hits));

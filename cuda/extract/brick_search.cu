@@ -57,7 +57,7 @@ struct NearSphere {
 // that is being tested. gather_by_warp() hands over places as soon as there are 32. The lanes add
 // up to 32 places at once to the up to 31 that wait, so `place` is twice as long.
 struct Waiting {
-  std::uint32_t place[2 * kWarp];
+  ListPlace place[2 * kWarp];
   NearSphere sphere[kWarp];
 };
 

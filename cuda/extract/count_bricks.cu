@@ -25,7 +25,7 @@ constexpr int kPlanesApart = kRowLanes / kBrickReach;
 // Adds the `count` places of a batch to those that are kept, as far as there is room, and counts
 // the batch to the places `before` the next one. By a warp.
 template <std::uint32_t kPlaces>
-__device__ void keep_places(const std::uint32_t* batch, std::uint32_t count, std::uint32_t& before,
+__device__ void keep_places(const ListPlace* batch, std::uint32_t count, std::uint32_t& before,
                             NearPlaces<kPlaces>& near) {
   for (std::uint32_t k = threadIdx.x % kWarp; k < count && before + k < kPlaces; k += kWarp) {
     near.place[before + k] = batch[k];
@@ -40,7 +40,7 @@ __device__ void keep_places(const std::uint32_t* batch, std::uint32_t count, std
 struct UnionShared {
   BrickGeometry geometry;
   ActiveBrick brick;
-  std::uint32_t places[kMostSharedBalls + kWarp];
+  ListPlace places[kMostSharedBalls + kWarp];
   Sphere balls[kMostSharedBalls];
 };
 

@@ -36,7 +36,7 @@ __device__ float4 rough_sphere(const FieldModel& model, const Sphere& s, float m
 // Writes the float4 copy of each sphere. A thread per sphere of the list.
 __global__ void round_spheres(CellListView list, FieldModel model, float margin, float4* rough) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i < list.size) rough[i] = rough_sphere(model, list.spheres[i], margin);
+  if (i < list.size) rough[i] = rough_sphere(model, list.spheres[ListPlace{i}], margin);
 }
 
 // The same for a stack, a thread block for each field. `rough` is where the copies of all fields
@@ -44,9 +44,9 @@ __global__ void round_spheres(CellListView list, FieldModel model, float margin,
 __global__ void round_stack(FieldStack stack, const Sphere* spheres, float4* rough) {
   const StackedField& field = stack.fields[blockIdx.x];
   const CellListView& list = field.context.list;
-  float4* const own = rough + (list.spheres - spheres);
+  float4* const own = rough + (list.spheres.data() - spheres);
   for (std::uint32_t i = threadIdx.x; i < list.size; i += blockDim.x) {
-    own[i] = rough_sphere(field.context.model, list.spheres[i], field.rounding);
+    own[i] = rough_sphere(field.context.model, list.spheres[ListPlace{i}], field.rounding);
   }
 }
 
@@ -128,18 +128,18 @@ void stand_on(FieldStack& stack, StackedField& field) {
 
 // ---- the cell lists of a stack ----
 
-std::vector<ListPlace> places_of(std::span<const HostField> fields) {
-  std::vector<ListPlace> places(1, {0, 0});
+std::vector<ListStart> starts_of(std::span<const HostField> fields) {
+  std::vector<ListStart> starts(1, {0, 0});
   for (const HostField& f : fields) {
     std::size_t cells = 0;
     for (int l = 0; l < f.list.level_count; ++l) cells += cell_count(f.list.levels[l]) + 1;
-    places.push_back({places.back().sphere + f.list.size, places.back().cell + cells});
+    starts.push_back({starts.back().sphere + f.list.size, starts.back().cell + cells});
   }
-  return places;
+  return starts;
 }
 
 // A list on the host with the addresses of its arrays on the device.
-CellListView view_of(const CellListView& host, const Sphere* spheres, const std::uint32_t* rank,
+CellListView view_of(const CellListView& host, const Sphere* spheres, const Rank* rank,
                      const SphereId* id, const std::uint32_t* cell_start) {
   CellListView view = host;
   view.spheres = spheres;
@@ -155,21 +155,22 @@ CellListView view_of(const CellListView& host, const Sphere* spheres, const std:
 // The arrays of all lists, joined.
 struct JoinedLists {
   Buffer<Sphere> spheres;
-  Buffer<std::uint32_t> rank, cell_start;
+  Buffer<Rank> rank;
   Buffer<SphereId> id;
+  Buffer<std::uint32_t> cell_start;
 
-  JoinedLists(std::span<const HostField> fields, const std::vector<ListPlace>& places)
-      : spheres(places.back().sphere),
+  JoinedLists(std::span<const HostField> fields, const std::vector<ListStart>& starts)
+      : spheres(starts.back().sphere),
         rank(spheres.size()),
-        cell_start(places.back().cell),
-        id(spheres.size()) {
+        id(spheres.size()),
+        cell_start(starts.back().cell) {
     tbb::parallel_for(std::size_t{0}, fields.size(), [&](std::size_t f) {
       const CellListView& list = fields[f].list;
-      const auto place = static_cast<std::ptrdiff_t>(places[f].sphere);
-      std::copy_n(list.spheres, list.size, spheres.begin() + place);
-      std::copy_n(list.rank, list.size, rank.begin() + place);
-      std::copy_n(list.id, list.size, id.begin() + place);
-      auto to = cell_start.begin() + static_cast<std::ptrdiff_t>(places[f].cell);
+      const auto first = static_cast<std::ptrdiff_t>(starts[f].sphere);
+      std::copy_n(list.spheres.data(), list.size, spheres.begin() + first);
+      std::copy_n(list.rank.data(), list.size, rank.begin() + first);
+      std::copy_n(list.id.data(), list.size, id.begin() + first);
+      auto to = cell_start.begin() + static_cast<std::ptrdiff_t>(starts[f].cell);
       for (int l = 0; l < list.level_count; ++l) {
         to = std::copy_n(list.levels[l].cell_start, cell_count(list.levels[l]) + 1, to);
       }
@@ -205,34 +206,34 @@ bool can_stack(std::span<const HostField> fields) {
 DeviceFieldStack::DeviceFieldStack(std::span<const HostField> fields, const Stream& stream) {
   stack_.first_level = first_level_of(fields);
   first_layers_ = layers_of(fields, stack_.first_level);
-  const std::vector<ListPlace> places = places_of(fields);
-  const std::size_t spheres = places.back().sphere;
+  const std::vector<ListStart> starts = starts_of(fields);
+  const std::size_t spheres = starts.back().sphere;
   spheres_ = DeviceArray<Sphere>(spheres, stream.get());
-  rank_ = DeviceArray<std::uint32_t>(spheres, stream.get());
+  rank_ = DeviceArray<Rank>(spheres, stream.get());
   id_ = DeviceArray<SphereId>(spheres, stream.get());
   rough_ = DeviceArray<float4>(spheres, stream.get());
-  cell_start_ = DeviceArray<std::uint32_t>(places.back().cell, stream.get());
+  cell_start_ = DeviceArray<std::uint32_t>(starts.back().cell, stream.get());
   std::vector<StackedField> stacked(fields.size());
   for (std::size_t f = 0; f < fields.size(); ++f) {
     stacked[f].context = field_context(
-        view_of(fields[f].list, spheres_.data() + places[f].sphere, rank_.data() + places[f].sphere,
-                id_.data() + places[f].sphere, cell_start_.data() + places[f].cell),
-        fields[f].model, rough_.data() + places[f].sphere);
+        view_of(fields[f].list, spheres_.data() + starts[f].sphere, rank_.data() + starts[f].sphere,
+                id_.data() + starts[f].sphere, cell_start_.data() + starts[f].cell),
+        fields[f].model, rough_.data() + starts[f].sphere);
     stacked[f].rounding = rounding_margin(fields[f].list, fields[f].model.grid);
     stacked[f].first_layer = first_layers_[f];
     spacings_.push_back(fields[f].model.grid.spacing);
     stand_on(stack_, stacked[f]);
   }
   stack_.bricks[2] = first_layers_.back();
-  upload_stack(fields, places, stacked, stream);
+  upload_stack(fields, starts, stacked, stream);
 }
 
 void DeviceFieldStack::upload_stack(std::span<const HostField> fields,
-                                    const std::vector<ListPlace>& places,
+                                    const std::vector<ListStart>& starts,
                                     const std::vector<StackedField>& stacked,
                                     const Stream& stream) {
   const std::vector<std::uint32_t> field_of_layer = fields_of_layers(first_layers_);
-  const JoinedLists joined(fields, places);
+  const JoinedLists joined(fields, starts);
   stacked_ = DeviceArray<StackedField>(stacked.size(), stream.get());
   field_of_layer_ = DeviceArray<std::uint32_t>(field_of_layer.size(), stream.get());
   const auto part = [](const auto& to, const auto& from) {

@@ -153,11 +153,10 @@ struct alignas(16) VertexAtom {
   float center[3];       // from the brick's node 0, Å
   float scale;           // q = d^2 * scale
   std::int32_t cell[3];  // with sub-grids: the grid cell in which the atom lies
-  std::uint32_t rank;
+  Rank rank;
 };
 
-__device__ VertexAtom vertex_atom(const FieldContext& f, const BrickGeometry& g,
-                                  std::uint32_t place) {
+__device__ VertexAtom vertex_atom(const FieldContext& f, const BrickGeometry& g, ListPlace place) {
   const Sphere& atom = f.list.spheres[place];
   VertexAtom a{};
   a.scale = static_cast<float>(inverse_square_scale(f.model, atom.radius));
@@ -204,7 +203,7 @@ __device__ bool in_subgrid_of(const FieldModel& m, const VertexAtom& a, const La
 // takes no registers from the common path.
 template <BlendedKind Kind>
 __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGeometry& g,
-                                            std::uint32_t place, float scale, const int node[3]) {
+                                            ListPlace place, float scale, const int node[3]) {
   const NodeShape& nodes = f.nodes;
   const Sphere& atom = f.list.spheres[place];
   AxisTerm term[3];
@@ -284,9 +283,9 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
   extern __shared__ __align__(16) unsigned char dynamic[];
   const unsigned warp = threadIdx.x / kWarp;
   auto* const atoms = reinterpret_cast<VertexAtom*>(dynamic) + warp * room;
-  auto* const places = reinterpret_cast<std::uint32_t*>(reinterpret_cast<VertexAtom*>(dynamic) +
-                                                        kBrickWarps * room) +
-                       warp * (room + kWarp);
+  auto* const places =
+      reinterpret_cast<ListPlace*>(reinterpret_cast<VertexAtom*>(dynamic) + kBrickWarps * room) +
+      warp * (room + kWarp);
   WarpBrick& own = shared[warp];
   if (!load_brick(list, sharers, own.brick)) return;
   const FieldOfBlock owner = fields.of(own.brick.key);
@@ -339,14 +338,14 @@ __global__ void __launch_bounds__(kBrickThreads)
   const Vec3d lower = g.node(0, 0, 0), upper = g.node(kBrickSide, kBrickSide, kBrickSide);
   const float* const values_of_brick = kept[own_brick(sharers)].values;
   const auto for_each = [&](auto&&, auto&& visit) {
-    visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+    visit_near_box(f.list, lower, upper, [&](ListPlace place) {
       // Visitor of visit_near_box(): false goes on to the next sphere.
       if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
-      visit(vertex_atom(f, g, place), place);
+      visit(vertex_atom(f, g, place), to_index(place));
       return false;
     });
   };
-  const auto place_of = [](std::uint32_t place) { return place; };
+  const auto place_of = [](std::uint32_t item) { return ListPlace{item}; };
   store_vertices_of(own.brick, own_share(sharers), list.before[own_brick(sharers)].vertices,
                     own.stage, mesh, clamped, [&](const CrossedEdge& edge) {
                       return blended_vertex<Kind>(f, g, values_of_brick, edge, for_each, place_of);

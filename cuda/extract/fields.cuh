@@ -19,10 +19,10 @@
 
 namespace vdwmesh {
 
-// float4 copies of the spheres of a cell list, in list order: x, y and z are the centre relative to
-// `origin`, w is the reach (Å), widened by more than the rounding errors of float32.
+// float4 copies of the spheres of a cell list: x, y and z are the centre relative to `origin`, w is
+// the reach (Å), widened by more than the rounding errors of float32.
 struct RoughSpheres {
-  const float4* spheres;
+  ByListPlace<float4> spheres;
   Vec3d origin;
 };
 
@@ -105,7 +105,7 @@ struct HostField {
 
 // Where the arrays of a field's list begin in those of all fields of a stack: its spheres, and the
 // cells of its levels one behind the other, each level with one more element for its end.
-struct ListPlace {
+struct ListStart {
   std::size_t sphere, cell;
 };
 
@@ -125,14 +125,15 @@ class DeviceFieldStack {
   const std::vector<double>& spacings() const { return spacings_; }
 
  private:
-  void upload_stack(std::span<const HostField> fields, const std::vector<ListPlace>& places,
+  void upload_stack(std::span<const HostField> fields, const std::vector<ListStart>& starts,
                     const std::vector<StackedField>& stacked, const Stream& stream);
 
   std::vector<std::int32_t> first_layers_;
   std::vector<double> spacings_;
   DeviceArray<Sphere> spheres_;
-  DeviceArray<std::uint32_t> rank_, cell_start_, field_of_layer_;
+  DeviceArray<Rank> rank_;
   DeviceArray<SphereId> id_;
+  DeviceArray<std::uint32_t> cell_start_, field_of_layer_;
   DeviceArray<float4> rough_;
   DeviceArray<StackedField> stacked_;
   FieldStack stack_{};

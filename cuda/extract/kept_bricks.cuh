@@ -6,18 +6,19 @@
 
 #include "extract/bricks/brick.hpp"
 #include "extract/field.hpp"
+#include "spheres/list_place.hpp"
 
 namespace vdwmesh {
 
 // The number of nodes that the cells of a brick touch, 9 x 9 x 9: its own and its halo.
 inline constexpr int kBrickValues = kBrickReach * kBrickReach * kBrickReach;
 
-// The list places of the spheres near a brick, in list order. If `count` is more than kPlaces, only
+// The spheres near a brick, in list order. If `count` is more than kPlaces, only
 // the first are there.
 template <std::uint32_t kPlaces>
 struct NearPlaces {
   std::uint32_t count;
-  std::uint32_t place[kPlaces];
+  ListPlace place[kPlaces];
 };
 
 // The most balls of a brick that the kernels keep in shared memory: a set of them is the bits of

@@ -14,9 +14,9 @@ inline constexpr std::uint32_t kAtomChunk = 16;  // atoms in shared memory at a 
 
 // The atoms of a warp between gathering and their terms, in shared memory.
 struct AtomStage {
-  std::uint32_t waiting[kAtomChunk + kWarp];  // list places, as gather_by_warp() fills them
-  Sphere spheres[kAtomChunk];                 // the atoms of the chunk
-  float scale[kAtomChunk];                    // their scales: q = d^2 * scale
+  ListPlace waiting[kAtomChunk + kWarp];  // as gather_by_warp() fills them
+  Sphere spheres[kAtomChunk];             // the atoms of the chunk
+  float scale[kAtomChunk];                // their scales: q = d^2 * scale
 };
 
 // The terms of one atom at kNodes planes of nodes across each axis.

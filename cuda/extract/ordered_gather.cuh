@@ -40,9 +40,9 @@ __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
 }
 
 // Visits the spheres of one level of the cell list near a box, in list order, 32 at a time. All
-// lanes call visit(place, valid) together; `valid` is false on lanes without a sphere, whose
-// `place` means nothing. If visit() returns true, the visit of the level ends. It must return the
-// same on all lanes.
+// lanes call visit(place, valid) with a ListPlace together; `valid` is false on lanes without a
+// sphere, whose `place` means nothing. If visit() returns true, the visit of the level ends. It
+// must return the same on all lanes.
 template <class Visit>
 __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3d& lower,
                                     const Vec3d& upper, Visit&& visit) {
@@ -74,7 +74,8 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
       const unsigned owner = row_holding(sum, t + lane);
       const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
       const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
-      if (visit(end_place - (end_sum - (t + lane)), t + lane < total)) return;
+      const ListPlace place{end_place - (end_sum - (t + lane))};
+      if (visit(place, t + lane < total)) return;
     }
   }
 }
@@ -111,8 +112,8 @@ __device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
 // taken.
 template <class Batch>
 __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lower,
-                                        const Vec3d& upper, std::uint32_t* waiting,
-                                        std::uint32_t size, Batch&& batch) {
+                                        const Vec3d& upper, ListPlace* waiting, std::uint32_t size,
+                                        Batch&& batch) {
   const CellListView& list = f.list;
   const RoughBox box = rough_box(f.rough.origin, lower, upper);
   const unsigned lane = threadIdx.x % kWarp;
@@ -125,13 +126,13 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
     __syncwarp();
     count -= first;
     met += first;
-    const std::uint32_t next = lane < count ? waiting[first + lane] : 0;
+    const ListPlace next = lane < count ? waiting[first + lane] : ListPlace{};
     __syncwarp();
     if (lane < count) waiting[lane] = next;
     __syncwarp();
   };
   for (int l = 0; l < list.level_count && !done; ++l) {
-    visit_level_by_warp(list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
+    visit_level_by_warp(list.levels[l], lower, upper, [&](ListPlace place, bool valid) {
       const bool kept = valid && may_reach(box, f.rough.spheres[place]);
       const unsigned votes = __ballot_sync(kAllLanes, kept);
       // Compaction: each kept place goes behind those of the lower lanes.

@@ -14,10 +14,11 @@
 
 namespace vdwmesh {
 
-// The balls near a brick, in shared memory: rank[k] and list place[k] of ball[k].
+// The balls near a brick, in shared memory: rank[k] and place[k] of ball[k].
 struct SharedBalls {
   Sphere ball[kMostSharedBalls];
-  std::uint32_t rank[kMostSharedBalls], place[kMostSharedBalls];
+  Rank rank[kMostSharedBalls];
+  ListPlace place[kMostSharedBalls];
   // x, y, z: the centre relative to the brick's node 0, Å. w: the squared radius plus a bound on
   // rounding errors, Å². If the squared distance from an edge to the centre is larger, the edge
   // does not touch the ball.
@@ -25,7 +26,7 @@ struct SharedBalls {
 
   // Loads the balls at these list places, by one warp. The caller synchronises afterwards.
   // Precondition: count <= kMostSharedBalls.
-  __device__ void load(const FieldContext& f, const BrickGeometry& g, const std::uint32_t* places,
+  __device__ void load(const FieldContext& f, const BrickGeometry& g, const ListPlace* places,
                        std::uint32_t count) {
     for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
       const Sphere own = f.list.spheres[places[k]];
@@ -99,8 +100,8 @@ __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeom
       const Vec3d far = g.node(edge.outside[0], edge.outside[1], edge.outside[2]);
       const Vec3d& lower = edge.direction > 0 ? node : far;
       const Vec3d& upper = edge.direction > 0 ? far : node;
-      visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
-        visit(f.list.spheres[place], f.list.rank[place], place);
+      visit_near_box(f.list, lower, upper, [&](ListPlace place) {
+        visit(f.list.spheres[place], f.list.rank[place], to_index(place));
         // Visitor of visit_near_box(): false goes on to the next sphere.
         return false;
       });
@@ -108,7 +109,7 @@ __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeom
   };
   const EdgePoint exit = first_exit(node, edge.axis, edge.direction, spacing, for_each);
   const Vec3d p = point_on_edge(edge, node, exit.distance);
-  const std::uint32_t place = items ? items->place[exit.owner] : exit.owner;
+  const ListPlace place = items ? items->place[exit.owner] : ListPlace{exit.owner};
   const Vec3d center = items ? items->ball[exit.owner].center : f.list.spheres[place].center;
   const Vec3f normal = unit_or(p - center, edge_direction(edge));
   return {p, normal, f.list.id[place], exit.clamped};

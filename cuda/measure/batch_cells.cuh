@@ -22,9 +22,9 @@ struct CellFrame {
 
 // The cells as kernels read them. Frame number = set × levels + level.
 struct BatchCellsView {
-  const Sphere* spheres;     // by list place
-  const std::uint32_t* id;   // [list place]: index in the batch
-  const std::uint32_t* set;  // [list place]; null if there is one set
+  ByListPlace<Sphere> spheres;
+  ByListPlace<std::uint32_t> id;   // index in the batch
+  ByListPlace<std::uint32_t> set;  // null if there is one set
   const CellFrame* frames;
   const std::uint32_t* cell_start;  // list place of the first sphere of each cell, and the end
   std::uint32_t size;
@@ -38,6 +38,11 @@ struct DeviceBatch {
   const std::uint32_t* offsets;  // device memory, sets + 1
   std::uint32_t sets;
 };
+
+// The set of the ball at a list place.
+__device__ inline std::uint32_t set_at(const BatchCellsView& list, ListPlace place) {
+  return list.set.data() != nullptr ? list.set[place] : 0;
+}
 
 class BatchCells {
  public:
@@ -94,7 +99,7 @@ __device__ __forceinline__ void visit_near(const BatchCellsView& list, const Sph
         for (int step = 16; step > 0; step /= 2) {
           if (__shfl_sync(kAllLanes, end, from + step - 1) <= i) from += step;
         }
-        const std::uint32_t place = i + __shfl_sync(kAllLanes, shift, from & 31);
+        const ListPlace place{i + __shfl_sync(kAllLanes, shift, from & 31)};
         if (take(place, i < total)) return;
       }
     }

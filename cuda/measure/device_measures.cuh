@@ -14,7 +14,7 @@ struct DeviceMeasures {
   DeviceArray<SphereMeasures> per_sphere;  // in the order of the batch, Å² and Å³
   // List places of the balls whose measures mean nothing, counts[0] of them in no order: a check
   // left a doubt, or the device has no room for the ball.
-  DeviceArray<std::uint32_t> doubtful;
+  DeviceArray<ListPlace> doubtful;
   // [1]: balls for which the first kernel had no room.
   DeviceArray<std::uint32_t> counts;
 };

@@ -25,7 +25,7 @@ struct Room {
                        kCorners = kCornerCount;
   struct Space {
     union {
-      std::uint32_t near[kCaps];  // list places of the balls that overlap the ball
+      ListPlace near[kCaps];  // the balls that overlap the ball
       CellSpace<kSlots, kFaces> cell;
     };
     union {
@@ -38,12 +38,12 @@ struct Room {
 using SmallRoom = Room<2, 36, 128, 64>;
 using LargeRoom = Room<8, 136, 1024, 512>;
 
-// Balls that are not measured yet, by list place.
+// Balls that are not measured yet.
 struct Leftovers {
-  std::uint32_t* places;
+  ListPlace* places;
   std::uint32_t* count;
 
-  __device__ void add(std::uint32_t place) const { places[atomicAdd(count, 1u)] = place; }
+  __device__ void add(ListPlace place) const { places[atomicAdd(count, 1u)] = place; }
 };
 
 // The measurement of one ball by a warp.
@@ -53,7 +53,7 @@ class WarpBall {
   using Space = typename SomeRoom::Space;
   static constexpr int kCaps = SomeRoom::kCaps;
 
-  __device__ __forceinline__ WarpBall(const BatchCellsView& list, std::uint32_t place, Space& space,
+  __device__ __forceinline__ WarpBall(const BatchCellsView& list, ListPlace place, Space& space,
                                       unsigned lane)
       : list_(list), place_(place), ball_(list.spheres[place]), space_(space), lane_(lane) {}
 
@@ -79,8 +79,7 @@ class WarpBall {
   // Lists the balls that overlap this one. Of equal balls the one of the lowest index buries the
   // others; they share a cell, so it has the lowest list place too.
   __device__ __forceinline__ void collect() {
-    const std::uint32_t set = list_.set != nullptr ? list_.set[place_] : 0;
-    visit_near(list_, ball_, set, lane_, [&](std::uint32_t other, bool here) {
+    visit_near(list_, ball_, set_at(list_, place_), lane_, [&](ListPlace other, bool here) {
       bool near = false, equal = false;
       if (here && other != place_) {
         const Sphere s = list_.spheres[other];
@@ -155,7 +154,7 @@ class WarpBall {
   }
 
   const BatchCellsView& list_;
-  std::uint32_t place_;
+  ListPlace place_;
   Sphere ball_;
   Space& space_;
   unsigned lane_;
@@ -165,7 +164,7 @@ class WarpBall {
 };
 
 template <class SomeRoom>
-__device__ __forceinline__ void measure_place(const BatchCellsView& list, std::uint32_t place,
+__device__ __forceinline__ void measure_place(const BatchCellsView& list, ListPlace place,
                                               typename SomeRoom::Space& space, unsigned lane,
                                               SphereMeasures* results, const Leftovers& too_large,
                                               const Leftovers& doubtful) {
@@ -193,7 +192,7 @@ __global__ void __launch_bounds__(32 * kWarpsPerBlock, kBlocksPerMultiprocessor)
   const unsigned warp = threadIdx.x / 32;
   const std::uint64_t place = static_cast<std::uint64_t>(blockIdx.x) * kWarpsPerBlock + warp;
   if (place >= list.size) return;
-  measure_place<SmallRoom>(list, static_cast<std::uint32_t>(place), spaces[warp], threadIdx.x % 32,
+  measure_place<SmallRoom>(list, static_cast<ListPlace>(place), spaces[warp], threadIdx.x % 32,
                            results, too_large, doubtful);
 }
 
@@ -221,10 +220,10 @@ void allow_shared(Kernel kernel, std::size_t bytes) {
 
 DeviceMeasures measure_on_device(const DeviceBatch& batch, const Stream& stream) {
   DeviceMeasures result{BatchCells(batch, stream), DeviceArray<SphereMeasures>(batch.size, stream),
-                        DeviceArray<std::uint32_t>(batch.size, stream),
+                        DeviceArray<ListPlace>(batch.size, stream),
                         zeros<std::uint32_t>(2, stream)};
   const BatchCellsView& list = result.cells.view();
-  const DeviceArray<std::uint32_t> large(batch.size, stream);
+  const DeviceArray<ListPlace> large(batch.size, stream);
   const Leftovers doubtful{result.doubtful.data(), result.counts.data()};
   const Leftovers too_large{large.data(), result.counts.data() + 1};
   constexpr std::size_t small_bytes = kWarpsPerBlock * sizeof(SmallRoom::Space);

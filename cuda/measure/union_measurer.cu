@@ -32,18 +32,16 @@ namespace {
 
 // A warp for each of `count` balls: finds the balls that overlap it, itself among them. Writes
 // their number or, if `ids` is given, their indices from first[i] on, and the ball's own index.
-__global__ void list_neighbors(BatchCellsView list, const std::uint32_t* places,
-                               std::uint32_t count, const std::uint64_t* first,
-                               std::uint64_t* numbers, std::uint32_t* own_ids, std::uint32_t* ids,
-                               Sphere* spheres) {
+__global__ void list_neighbors(BatchCellsView list, const ListPlace* places, std::uint32_t count,
+                               const std::uint64_t* first, std::uint64_t* numbers,
+                               std::uint32_t* own_ids, std::uint32_t* ids, Sphere* spheres) {
   const std::uint64_t i = thread_index() / 32;
   if (i >= count) return;
   const unsigned lane = threadIdx.x % 32;
-  const std::uint32_t place = places[i];
+  const ListPlace place = places[i];
   const Sphere ball = list.spheres[place];
   std::uint64_t found = 0;
-  const std::uint32_t set = list.set != nullptr ? list.set[place] : 0;
-  visit_near(list, ball, set, lane, [&](std::uint32_t other, bool here) {
+  visit_near(list, ball, set_at(list, place), lane, [&](ListPlace other, bool here) {
     bool near = false;
     if (here) {
       const Sphere s = list.spheres[other];
@@ -102,13 +100,13 @@ void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
 // Brings the doubtful balls and their neighbours to the host.
 HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const Stream& stream) {
   const BatchCellsView& list = measured.cells.view();
-  std::vector<std::uint32_t> places(count);
+  std::vector<ListPlace> places(count);
   check_cuda(cudaMemcpyAsync(places.data(), measured.doubtful.data(), count * sizeof(places[0]),
                              cudaMemcpyDeviceToHost, stream.get()),
              "download");
   stream.wait();
   std::sort(places.begin(), places.end());
-  const DeviceArray<std::uint32_t> sorted = upload(places.data(), count, stream.get());
+  const DeviceArray<ListPlace> sorted = upload(places.data(), count, stream.get());
   DeviceArray<std::uint64_t> first = zeros<std::uint64_t>(count + std::size_t{1}, stream);
   const LaunchShape shape = over(32 * std::uint64_t{count}, 128);
   launch("list_neighbors", list_neighbors, shape, stream, list, sorted.data(), count, nullptr,

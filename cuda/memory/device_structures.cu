@@ -10,9 +10,9 @@
 namespace vdwmesh {
 
 DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
-    : spheres_(upload(host.spheres, host.size, stream)),
-      rank_(upload(host.rank, host.size, stream)),
-      id_(upload(host.id, host.size, stream)),
+    : spheres_(upload(host.spheres.data(), host.size, stream)),
+      rank_(upload(host.rank.data(), host.size, stream)),
+      id_(upload(host.id.data(), host.size, stream)),
       view_(host) {
   for (int l = 0; l < host.level_count; ++l) {
     const CellListView::Level& level = host.levels[l];
@@ -27,7 +27,7 @@ DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
   view_.id = id_.data();
 }
 
-DeviceCellList::DeviceCellList(DeviceArray<Sphere> spheres, DeviceArray<std::uint32_t> rank,
+DeviceCellList::DeviceCellList(DeviceArray<Sphere> spheres, DeviceArray<Rank> rank,
                                DeviceArray<SphereId> id, DeviceArray<std::uint32_t> cell_start,
                                const CellListView& view)
     : spheres_(std::move(spheres)), rank_(std::move(rank)), id_(std::move(id)), view_(view) {

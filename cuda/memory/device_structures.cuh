@@ -21,14 +21,13 @@ class DeviceCellList {
  public:
   DeviceCellList(const CellListView& host, cudaStream_t stream);
   // Takes arrays that were filled on the device. `view` has their addresses.
-  DeviceCellList(DeviceArray<Sphere> spheres, DeviceArray<std::uint32_t> rank,
-                 DeviceArray<SphereId> id, DeviceArray<std::uint32_t> cell_start,
-                 const CellListView& view);
+  DeviceCellList(DeviceArray<Sphere> spheres, DeviceArray<Rank> rank, DeviceArray<SphereId> id,
+                 DeviceArray<std::uint32_t> cell_start, const CellListView& view);
   const CellListView& view() const { return view_; }
 
  private:
   DeviceArray<Sphere> spheres_;
-  DeviceArray<std::uint32_t> rank_;
+  DeviceArray<Rank> rank_;
   DeviceArray<SphereId> id_;
   std::vector<DeviceArray<std::uint32_t>> cell_start_;
   CellListView view_{};

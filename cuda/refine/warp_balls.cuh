@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kAtATime = 4;
 // Shared memory of one warp, 2.6 KiB. Ball k of those gathered is in slot k.
 struct WarpBallsStorage {
   float4 rough[kNearBalls + kAtATime];  // centre relative to the box's origin, and radius; Å
-  std::uint32_t place[kNearBalls];      // list place
+  ListPlace place[kNearBalls];
 };
 
 // Maps floats to integers of the same order, and back, because __reduce_max_sync() takes integers
@@ -143,8 +143,7 @@ class WarpBalls {
   }
   __device__ Least least_of_all(const Rough& at);
   __device__ Least least_of_likely(const Rough& at) const;
-  __device__ void consider(std::uint32_t place, const Vec3d& q, double reach,
-                           NearestBall& best) const;
+  __device__ void consider(ListPlace place, const Vec3d& q, double reach, NearestBall& best) const;
 
   const CellListView& list_;
   WarpBallsStorage& storage_;
@@ -185,7 +184,7 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
   // No lane may still read the balls of an earlier set in the same storage.
   __syncwarp();
   for (int l = 0; l < list.level_count && !full; ++l) {
-    visit_level_by_warp(list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
+    visit_level_by_warp(list.levels[l], lower, upper, [&](ListPlace place, bool valid) {
       float4 ball{0, 0, 0, 0};
       bool near = false;
       if (valid) {
@@ -235,7 +234,7 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
 // Replaces `best` by the ball at a list place if the ball's gap at q is at most `reach`, and less
 // than that of `best`, or equal and the ball of lower rank. Computed in double, with the operations
 // of nearest_ball_within().
-__device__ inline void WarpBalls::consider(std::uint32_t place, const Vec3d& q, double reach,
+__device__ inline void WarpBalls::consider(ListPlace place, const Vec3d& q, double reach,
                                            NearestBall& best) const {
   const double g = gap(list_.spheres[place], q);
   if (!(g <= reach)) return;
@@ -281,7 +280,7 @@ __device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   const Rough at = rough(q);
   const Least least = likely_ != 0 ? least_of_likely(at) : least_of_all(at);
   // No ball found so far.
-  NearestBall best{reach, 0, false};
+  NearestBall best{reach, ListPlace{}, false};
   if (!(least.gap <= __double2float_ru(reach) + error_bound_)) return best;
   // Computed gaps err by at most error_bound_. So the ball that is nearest in double has a computed
   // gap of at most the least computed one plus twice that. If the second least gap is above this,

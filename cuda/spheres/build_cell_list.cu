@@ -149,7 +149,7 @@ __global__ void make_keys(ListSource list, OrderKey* keys) {
 
 // A thread for each rank: finds the sphere's cell and counts it there.
 __global__ void find_cells(ListSource list, LevelTable table, const OrderKey* order,
-                           std::uint32_t* cell_of, std::uint32_t* rank, std::uint32_t* counts) {
+                           std::uint32_t* cell_of, Rank* rank, std::uint32_t* counts) {
   const std::uint64_t i = thread_index();
   if (i >= list.size) return;
   const SphereId id = order[i].id;
@@ -157,16 +157,16 @@ __global__ void find_cells(ListSource list, LevelTable table, const OrderKey* or
   const std::uint32_t cell =
       table.first_cell[level] + cell_index(table.level[level], list.spheres[id].center);
   cell_of[i] = cell;
-  rank[i] = static_cast<std::uint32_t>(i);
+  rank[i] = static_cast<Rank>(i);
   atomicAdd(&counts[cell], 1u);
 }
 
 // A thread for each list place, whose rank is known.
-__global__ void place_spheres(ListSource list, const OrderKey* order, const std::uint32_t* rank,
+__global__ void place_spheres(ListSource list, const OrderKey* order, const Rank* rank,
                               SphereId* ids, Sphere* spheres) {
   const std::uint64_t place = thread_index();
   if (place >= list.size) return;
-  ids[place] = order[rank[place]].id;
+  ids[place] = order[to_index(rank[place])].id;
   spheres[place] = list.spheres[ids[place]];
 }
 
@@ -223,15 +223,15 @@ DeviceCellList build_cell_list(const Sphere* source, std::size_t count, double l
 
   const DeviceArray<OrderKey> order = canonical_keys(list, stream);
   DeviceArray<std::uint32_t> cell_start = zeros<std::uint32_t>(cells + std::size_t{1}, stream);
-  const DeviceArray<std::uint32_t> cell_of(size, stream), sorted_cell(size, stream),
-      ranks(size, stream);
+  const DeviceArray<std::uint32_t> cell_of(size, stream), sorted_cell(size, stream);
+  const DeviceArray<Rank> ranks(size, stream);
   launch("find_cells", find_cells, over(size, kThreads), stream, list, table, order.data(),
          cell_of.data(), ranks.data(), cell_start.data());
   run_cub("cells", stream, [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceScan::ExclusiveSum(scratch, bytes, cell_start.data(), cells + std::size_t{1},
                                          stream.get());
   });
-  DeviceArray<std::uint32_t> rank(size, stream);
+  DeviceArray<Rank> rank(size, stream);
   run_cub("sort by cell", stream, [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceRadixSort::SortPairs(scratch, bytes, cell_of.data(), sorted_cell.data(),
                                            ranks.data(), rank.data(), size, 0,

@@ -26,12 +26,12 @@ bool measures_all(const ExactUnion& exact) {
 DisjointSets joined_places(const CellListView& view) {
   DisjointSets pieces(view.size);
   for_all(view.size, [&](std::size_t i) {
-    const Sphere& a = view.spheres[i];
+    const Sphere& a = view.spheres[static_cast<ListPlace>(i)];
     const Vec3d reach{a.radius, a.radius, a.radius};
-    visit_near_box(view, a.center - reach, a.center + reach, [&](std::uint32_t j) {
+    visit_near_box(view, a.center - reach, a.center + reach, [&](ListPlace j) {
       const Sphere& b = view.spheres[j];
       if (norm(a.center - b.center) <= a.radius + b.radius) {
-        pieces.join(static_cast<std::uint32_t>(i), j);
+        pieces.join(static_cast<std::uint32_t>(i), to_index(j));
       }
       return false;  // false means: visit the next sphere
     });
@@ -92,8 +92,9 @@ Buffer<std::uint32_t> connected_balls(const SphereSet& spheres) {
   const CellList list = make_ball_list(spheres);
   DisjointSets pieces = joined_places(list.view());
   Buffer<std::uint32_t> component(spheres.size());
-  for_all(component.size(), [&](std::size_t place) {
-    component[list.view().id[place]] = pieces.find(static_cast<std::uint32_t>(place));
+  for_all(component.size(), [&](std::size_t i) {
+    const auto place = static_cast<ListPlace>(i);
+    component[list.view().id[place]] = pieces.find(to_index(place));
   });
   return component;
 }

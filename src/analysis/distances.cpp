@@ -48,7 +48,7 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
     for (std::size_t i = first; i < end; ++i) {
       // The random stream is the rank of the sphere in canonical order, so that the samples do not
       // depend on the order of the spheres in the caller's set.
-      Random random(options.seed, surface.list().rank[patches[i].place]);
+      Random random(options.seed, to_index(surface.list().rank[patches[i].place]));
       sample_patch(patches[i], density, random, [&](const Vec3d& p) { inside.push_back(p); });
       sample_border(patches[i], std::sqrt(density), random,
                     [&](const Vec3d& p) { border.push_back(p); });

@@ -35,7 +35,7 @@ constexpr double kParallel = 1e-18;
 constexpr double kNested = 1e-14;
 
 // Covers every direction: the cosine is below that of any.
-constexpr Cover kCoversAll{{{0, 0, 1}, -2}, kNoCover};
+constexpr Cover kCoversAll{{{0, 0, 1}, -2}, kNoPlace};
 
 // The patches of one block of spheres, and the covers and corners to which they point. A vector may
 // move its elements when it grows, so set_pointers() sets the pointers of the patches after all
@@ -103,7 +103,7 @@ class PatchBuilder {
 
   // Appends the patch of the sphere at this list place to `out`. A sphere that several others bury
   // together has an empty one; a sphere within another ball has none.
-  void add(std::uint32_t place, BlockPatches& out) {
+  void add(ListPlace place, BlockPatches& out) {
     covers_.clear();
     if (!caps_.find(list_, place)) return;
     for (std::size_t i = 0; i < caps_.caps().size(); ++i)
@@ -132,7 +132,7 @@ class PatchBuilder {
 
  private:
   // Finds the corners among the intersections of every two circles.
-  void find_corners(std::uint32_t place) {
+  void find_corners(ListPlace place) {
     corners_.clear();
     exposed_.assign(covers_.size(), 0);
     for (std::size_t i = 0; i < covers_.size(); ++i)
@@ -145,7 +145,7 @@ class PatchBuilder {
   //   m = α a + ((β - c α) / s²) (b - c a).
   // The crossings are m ± (√g / s²) (a × b) with g = s² (1 - |m|²) = s² (1 - α²) - (β - c α)². This
   // is the Gram determinant of a, b and a crossing; the circles do not cross if it is not above 0.
-  void cross_circles(std::uint32_t place, std::size_t i, std::size_t j) {
+  void cross_circles(ListPlace place, std::size_t i, std::size_t j) {
     const arcs::Cap& a = covers_[i].cap;
     const arcs::Cap& b = covers_[j].cap;
     const Vec3d normal = cross(a.axis, b.axis);
@@ -207,7 +207,7 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
   const auto build = [&](std::size_t block, std::size_t first, std::size_t end) {
     PatchBuilder builder(list);
     for (std::size_t place = first; place < end; ++place)
-      builder.add(static_cast<std::uint32_t>(place), found[block]);
+      builder.add(static_cast<ListPlace>(place), found[block]);
     found[block].set_pointers();
   };
   for_each_block(list.size, kSpheresPerBlock, build, monitor);

@@ -8,6 +8,7 @@
 
 #include "arrangement/arcs/arc_cap.hpp"
 #include "core/host_device.hpp"
+#include "spheres/list_place.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -21,10 +22,12 @@ namespace vdwmesh {
 // this relative amount.
 inline constexpr double kExposureTolerance = 1e-10;
 
+inline constexpr ListPlace kNoPlace{0xffffffffu};  // stands for no sphere of a list
+
 // The part of a sphere that one other ball covers.
 struct Cover {
-  arcs::Cap cap;        // relative to the sphere, in units of its radius
-  std::uint32_t place;  // the list place of the other ball
+  arcs::Cap cap;    // relative to the sphere, in units of its radius
+  ListPlace place;  // of the other ball
 };
 
 // A corner: an exposed point where the sphere meets two others. All three patches list it.
@@ -36,7 +39,7 @@ struct Corner {
 // The exposed part of one sphere.
 struct Patch {
   Sphere ball;
-  std::uint32_t place;  // the list place of the sphere
+  ListPlace place;
   // The circle of a cover is the border of its cap. Exactly the covers [0, circles) have exposed
   // arcs on their circles.
   std::uint32_t circles;

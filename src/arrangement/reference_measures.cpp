@@ -35,7 +35,8 @@ std::vector<NumberedBall> balls_near(const CellListView& list, const SphereSet& 
   for (const SphereId id : wanted) {
     const Sphere& s = spheres[id];
     const Vec3d reach{s.radius, s.radius, s.radius};
-    visit_near_box(list, s.center - reach, s.center + reach, [&](std::uint32_t place) {
+    // The other ball's radius is its reach in the list.
+    visit_near_box(list, s.center - reach, s.center + reach, [&](ListPlace place) {
       const Sphere& other = list.spheres[place];
       const Vec3d to = other.center - s.center;
       const double sum = (1 + arcs::kTouching) * (s.radius + other.radius);
@@ -46,6 +47,9 @@ std::vector<NumberedBall> balls_near(const CellListView& list, const SphereSet& 
   return near;
 }
 
+// The measures of a ball depend on the balls that overlap it alone, and `near` has these of all
+// wanted balls. So a triangulation of `near` gives the wanted balls the measures that they have in
+// the whole set. Other balls get wrong ones, which are not read.
 std::vector<SphereMeasures> reference_measures(std::span<const SphereId> wanted,
                                                std::vector<NumberedBall> near) {
   std::ranges::sort(near, {}, &NumberedBall::id);

@@ -41,7 +41,8 @@ void NearSurface::choose_spheres(double lower, double upper) {
                    projection_list(near_set_, options_, TriangleLabels::none, workspace_), model_,
                    spheres_.spheres().data()};
   ids_.resize(view.list.size);
-  for_all(ids_.size(), [&](std::size_t place) { ids_[place] = near_.ids[view.list.id[place]]; });
+  for_all(ids_.size(),
+          [&](std::size_t i) { ids_[i] = near_.ids[view.list.id[static_cast<ListPlace>(i)]]; });
   view.list.id = ids_.data();
   surface_.emplace(view);
 }

@@ -76,7 +76,7 @@ struct Searched {
   std::span<const CircleArc> arcs;    // of the accessible surface
   double probe, tolerance;            // Å
   const JudgedSurface& surface;       // says which probes count: all, or those of the outer region
-  const SphereId* sphere_of;          // by list place
+  ByListPlace<SphereId> sphere_of;
 };
 
 // Whether the ball of least gap alone gives σ: a probe that counts can stand at the point's foot on

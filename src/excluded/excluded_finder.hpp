@@ -32,7 +32,7 @@ class ExcludedFinder {
 
  private:
   const JudgedSurface& surface_;
-  const SphereId* const sphere_of_;  // by list place
+  const ByListPlace<SphereId> sphere_of_;
   const double probe_;
   double tolerance_;  // Å
   SurfaceFinder accessible_;

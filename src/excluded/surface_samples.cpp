@@ -47,14 +47,14 @@ double profile_at(double rho, double p, const ProfileRange& range, double share)
   return 0.5 * (below + above);
 }
 
-// The caps that are taken from the probe's sphere; a concave patch is the rest. Their Cover::place
-// is not used.
+// The caps that are taken from the probe's sphere; a concave patch is the rest. Probes are
+// in no cell list.
 std::vector<Cover> covers_of(const std::vector<PatchSide>& sides,
                              const std::vector<PatchCap>& caps) {
   std::vector<Cover> covers;
   covers.reserve(sides.size() + caps.size());
-  for (const PatchSide& side : sides) covers.push_back({{-1.0 * side.inward, 0}, 0});
-  for (const PatchCap& cap : caps) covers.push_back({{cap.axis, cap.cosine}, 0});
+  for (const PatchSide& side : sides) covers.push_back({{-1.0 * side.inward, 0}, kNoPlace});
+  for (const PatchCap& cap : caps) covers.push_back({{cap.axis, cap.cosine}, kNoPlace});
   return covers;
 }
 
@@ -144,7 +144,7 @@ void SurfaceSamples::add_concave(std::uint32_t probe, Random random, std::vector
   const std::vector<Cover> covers = covers_of(
       sides, is_cut ? surface_.cut[surface_.cut_of[probe]].caps : std::vector<PatchCap>());
   const Patch patch{{surface_.in_angstrom(s.probes[probe].center), probe_},
-                    0,
+                    kNoPlace,
                     0,
                     static_cast<std::uint32_t>(covers.size()),
                     0,

@@ -46,7 +46,7 @@ class SurfaceSamples {
 
   const JudgedSurface& surface_;
   std::span<const Patch> contacts_;
-  const SphereId* sphere_of_;  // by list place
+  ByListPlace<SphereId> sphere_of_;
   double probe_, density_;
   std::uint64_t seed_;
 };

@@ -46,12 +46,12 @@ Vec3d direction(int k, int count) {
 
 // Whether another ball covers the point p of the sphere at list place `own`. If the point lies on
 // several spheres, it counts as covered for all of them but the first in the list.
-bool is_covered(const CellListView& list, std::uint32_t own, const Vec3d& p) {
+bool is_covered(const CellListView& list, ListPlace own, const Vec3d& p) {
   // A point counts as lying on a sphere if its squared distance from the centre differs from the
   // squared radius by less than this share of it. So of several equal spheres the first keeps its
   // area and the others have none, whichever way the point is rounded.
   constexpr double kSlack = 1e-9;
-  return visit_near_box(list, p, p, [&](std::uint32_t place) {
+  return visit_near_box(list, p, p, [&](ListPlace place) {
     const Sphere& ball = list.spheres[place];
     const double square = ball.radius * ball.radius;
     const Vec3d d = p - ball.center;
@@ -61,7 +61,7 @@ bool is_covered(const CellListView& list, std::uint32_t own, const Vec3d& p) {
 }
 
 // Share of a sphere's area that no other ball covers, 0 to 1.
-double exposed_part(const CellListView& list, std::uint32_t own) {
+double exposed_part(const CellListView& list, ListPlace own) {
   const Sphere& ball = list.spheres[own];
   int exposed = 0;
   for (int k = 0; k < kPointsPerSphere; ++k)
@@ -77,7 +77,7 @@ double sum_over_sample(std::uint64_t spheres, const AreaOf& area_of) {
   const std::uint64_t sampled = std::min(spheres, kSampledSpheres);
   std::vector<double> areas(sampled);
   tbb::parallel_for(std::uint64_t{0}, sampled, [&](std::uint64_t i) {
-    areas[i] = area_of(static_cast<std::uint32_t>(i * spheres / sampled));
+    areas[i] = area_of(static_cast<ListPlace>(i * spheres / sampled));
   });
   double sum = 0;
   for (const double area : areas) sum += area;
@@ -98,7 +98,7 @@ struct RayHit {
 // between ray and normal, so the area per solid angle is r^2 / cos(a). There is no hit if another
 // sphere contributes most on the way or at the crossing, or if the field is below the isovalue
 // after the first step.
-RayHit follow_ray(const CellListView& list, const FieldModel& model, std::uint32_t own,
+RayHit follow_ray(const CellListView& list, const FieldModel& model, ListPlace own,
                   const Vec3d& u) {
   const Sphere& ball = list.spheres[own];
   const double step = kRayStep * ball.radius, reach = field_reach(model, ball.radius);
@@ -124,7 +124,7 @@ RayHit follow_ray(const CellListView& list, const FieldModel& model, std::uint32
 // Area of the isosurface that belongs to the sphere at list place `own`, Å²: the mean over the rays
 // times the full solid angle.
 VDWMESH_MULTIVERSION double area_along_rays(const CellListView& list, const FieldModel& model,
-                                            std::uint32_t own, int rays) {
+                                            ListPlace own, int rays) {
   double sum = 0;
   for (int k = 0; k < rays; ++k) sum += follow_ray(list, model, own, direction(k, rays)).area;
   return 4 * std::numbers::pi / rays * sum;
@@ -132,7 +132,7 @@ VDWMESH_MULTIVERSION double area_along_rays(const CellListView& list, const Fiel
 
 // Samples of one sphere's part of the surface, in `points` directions from its centre. Each stands
 // for the areas of `weight` spheres.
-void sample_sphere(const CellListView& list, const FieldModel& model, std::uint32_t own, int points,
+void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace own, int points,
                    double weight, std::vector<SurfaceSample>& samples) {
   const Sphere& ball = list.spheres[own];
   const double solid_angle = 4 * std::numbers::pi / points * weight;
@@ -153,7 +153,7 @@ void sample_sphere(const CellListView& list, const FieldModel& model, std::uint3
 
 double estimate_area(const SphereSet& spheres) {
   const CellList list = make_ball_list(spheres);
-  return sum_over_sample(spheres.size(), [&](std::uint32_t place) {
+  return sum_over_sample(spheres.size(), [&](ListPlace place) {
     const double r = list.view().spheres[place].radius;
     return 4 * std::numbers::pi * r * r * exposed_part(list.view(), place);
   });
@@ -163,7 +163,7 @@ double estimate_area(const SphereSet& spheres, const FieldModel& model) {
   const CellList list = make_field_list(spheres, model);
   const std::uint64_t wanted = kRays / std::max<std::uint64_t>(spheres.size(), 1);
   const int rays = static_cast<int>(std::clamp<std::uint64_t>(wanted, kFewestRays, kMostRays));
-  return sum_over_sample(spheres.size(), [&](std::uint32_t place) {
+  return sum_over_sample(spheres.size(), [&](ListPlace place) {
     return area_along_rays(list.view(), model, place, rays);
   });
 }
@@ -178,7 +178,7 @@ std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldM
   const double weight = static_cast<double>(spheres.size()) / static_cast<double>(sampled);
   std::vector<std::vector<SurfaceSample>> of_sphere(sampled);
   tbb::parallel_for(std::uint64_t{0}, sampled, [&](std::uint64_t i) {
-    const auto own = static_cast<std::uint32_t>(i * spheres.size() / sampled);
+    const auto own = static_cast<ListPlace>(i * spheres.size() / sampled);
     sample_sphere(list.view(), model, own, points, weight, of_sphere[i]);
   });
   std::vector<SurfaceSample> all;

@@ -31,11 +31,11 @@ BrickIndex child(const BrickIndex& b, int c) {
 // all eight bricks of the block `parent`. `near` is scratch memory for the list places of the balls
 // that touch the block.
 inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& grid,
-                                     const BrickIndex& parent, std::vector<std::uint32_t>& near) {
+                                     const BrickIndex& parent, std::vector<ListPlace>& near) {
   const BlockBox whole = block_box(grid, lattice_block(parent, 1));
   near.clear();
   if (whole.empty) return 0;
-  visit_near_box(list, whole.lower, whole.upper, [&](std::uint32_t place) {
+  visit_near_box(list, whole.lower, whole.upper, [&](ListPlace place) {
     const Sphere& ball = list.spheres[place];
     if (square_range(whole, ball.center).least <= ball.radius * ball.radius) near.push_back(place);
     return false;
@@ -44,7 +44,7 @@ inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& g
   for (int c = 0; c < kChildren; ++c) {
     const BlockBox box = block_box(grid, lattice_block(child(parent, c), 0));
     const bool may = !box.empty && union_may_cross(list, box, [&](auto&& visit) {
-      for (const std::uint32_t place : near) {
+      for (const ListPlace place : near) {
         if (visit(place)) return;
       }
     });
@@ -58,7 +58,7 @@ inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& g
 VDWMESH_MULTIVERSION std::uint8_t surviving_children(const CellListView& list,
                                                      const FieldModel& model,
                                                      const BrickIndex& parent, int level,
-                                                     std::vector<std::uint32_t>& near) {
+                                                     std::vector<ListPlace>& near) {
   if (level == 1 && model.kind == FieldKind::vdw)
     return surviving_bricks(list, model.grid, parent, near);
   std::uint32_t survivors = 0;
@@ -76,7 +76,7 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
                                    const KeyRange& range, std::uint64_t most) {
   std::vector<std::uint8_t> survivors(parents.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parents.size(), 16), [&](const auto& task) {
-    std::vector<std::uint32_t> near;
+    std::vector<ListPlace> near;
     for (std::size_t i = task.begin(); i < task.end(); ++i) {
       const BrickIndex parent = brick_of_key(parents[i]);
       survivors[i] = surviving_children(list, model, parent, level, near);

@@ -49,17 +49,17 @@ VDWMESH_HD inline bool within_reach(const Vec3d& p, const Vec3d& start, double r
 // sphere is one that the point has just left, radial steps alone would go to and fro between these
 // spheres and might never end.
 struct SphereHistory {
-  std::uint32_t place[3];  // list places
+  ListPlace place[3];
   // `count` is the number of entries in use, 0 to 3. `returns` says how often in a row the nearest
   // sphere was in the history, but not its latest entry. After one return the point alternates
   // between two spheres; after two or more it may go round three.
   int count, returns;
 };
 
-// Notes the nearest sphere, at list place `place`: moves or inserts it at the front of the history,
+// Notes the nearest sphere: moves or inserts it at the front of the history,
 // where it may push out the oldest entry. Returns the index that it had before, or 3 if it was not
 // in the history.
-VDWMESH_HD inline int note_sphere(SphereHistory& h, std::uint32_t place) {
+VDWMESH_HD inline int note_sphere(SphereHistory& h, ListPlace place) {
   int at = 0;
   while (at < h.count && h.place[at] != place) ++at;
   const int was = at;   // h.count if the sphere is not there
@@ -77,9 +77,9 @@ VDWMESH_HD inline int note_sphere(SphereHistory& h, std::uint32_t place) {
 
 // Writes the label of a vertex on `count` spheres: their ids in canonical order, then kNoSphere.
 // `place` has their list places. The sort by rank is an insertion sort.
-VDWMESH_HD inline void label_by_rank(const CellListView& list, const std::uint32_t* place,
-                                     int count, SphereId* label) {
-  std::uint32_t sorted[3];
+VDWMESH_HD inline void label_by_rank(const CellListView& list, const ListPlace* place, int count,
+                                     SphereId* label) {
+  ListPlace sorted[3];
   for (int i = 0; i < count; ++i) {
     int at = i;
     for (; at > 0 && list.rank[place[i]] < list.rank[sorted[at - 1]]; --at) {
@@ -103,7 +103,7 @@ struct UnionStep {
 // there is no such circle or corner, the next simpler step is taken. A radial step is the whole
 // Newton step: d - r is linear along the radius with slope 1, so one step reaches the sphere.
 VDWMESH_HD inline UnionStep step_to_union(const CellListView& list, SphereHistory& history,
-                                          std::uint32_t nearest, const Vec3d& p) {
+                                          ListPlace nearest, const Vec3d& p) {
   const int was = note_sphere(history, nearest);
   const Sphere& a = list.spheres[nearest];
   if (was == 1 || was == 2) {
@@ -131,7 +131,7 @@ VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, cons
   using std::abs;
   ProjectedPoint result{
       start, 0, {kNoSphere, kNoSphere, kNoSphere}, 0, ProjectionOutcome::unconverged};
-  SphereHistory history{{0, 0, 0}, 0, 0};
+  SphereHistory history{{}, 0, 0};
   UnionStep step{{start, true}, 0};
   for (;; ++result.steps) {
     const NearestBall near = nearest(step.to.position);

@@ -91,8 +91,8 @@ VDWMESH_HD inline FoundPoint nearest_corner(const Sphere& a, const Sphere& b, co
 
 // The answer of a search for the ball nearest to a point; meaningless unless found.
 struct NearestBall {
-  double gap;           // d - r of the ball, Å
-  std::uint32_t place;  // list place of the ball
+  double gap;  // d - r of the ball, Å
+  ListPlace place;
   bool found;
 };
 
@@ -103,8 +103,8 @@ VDWMESH_HD inline NearestBall nearest_ball_within(const CellListView& list, cons
                                                   double margin) {
   const Vec3d lower{p.x - margin, p.y - margin, p.z - margin};
   const Vec3d upper{p.x + margin, p.y + margin, p.z + margin};
-  NearestBall best{margin, 0, false};
-  visit_near_box(list, lower, upper, [&](std::uint32_t place) {
+  NearestBall best{margin, ListPlace{}, false};
+  visit_near_box(list, lower, upper, [&](ListPlace place) {
     const Sphere& ball = list.spheres[place];
     const double square = squared_distance(p, ball.center);
     // Rejects most balls without a square root. best.gap is the least d - r so far, or `margin`

@@ -233,7 +233,7 @@ void CellList::sort_by_cell(const SphereSet& spheres, std::size_t cells) {
     }
     for (std::size_t i = first[group + 1]; i-- > first[group];) {
       const std::uint32_t rank = ranks_[i], place = --cell_start_[cell_of_rank_[rank]];
-      rank_[place] = rank;
+      rank_[place] = Rank{rank};
       id_[place] = order_[rank];
       spheres_[place] = spheres[order_[rank]];
     }

@@ -10,6 +10,7 @@
 #include "core/buffer.hpp"
 #include "core/host_device.hpp"
 #include "spheres/cell_list_frame.hpp"
+#include "spheres/list_place.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -17,18 +18,17 @@ namespace vdwmesh {
 // A cell list as host and device code read it; trivially copyable, owns nothing. Spheres are in
 // list order: level by level, within a level cell by cell (x fastest, z slowest), and within a cell
 // in canonical order. Every query visits its spheres in this one order, so sums over the spheres
-// near two overlapping boxes add the spheres that they share in the same order. A sphere's index in
-// the list is its list place.
+// near two overlapping boxes add the spheres that they share in the same order.
 struct CellListView {
   static constexpr int kMaxLevels = 24;
   struct Level : CellLevel {
     // List place of the first sphere of each cell, and one more element: the end of the level.
     const std::uint32_t* cell_start;
   };
-  const Sphere* spheres;      // in list order
-  const std::uint32_t* rank;  // [list place]: rank in canonical_order(), which breaks ties
-  const SphereId* id;         // [list place]: id in the SphereSet
-  std::uint32_t size;         // number of spheres
+  ByListPlace<Sphere> spheres;
+  ByListPlace<Rank> rank;    // breaks ties
+  ByListPlace<SphereId> id;  // in the SphereSet
+  std::uint32_t size;        // number of spheres
   int level_count;
   Level levels[kMaxLevels];
 };
@@ -67,7 +67,7 @@ class CellList {
   void sort_by_cell(const SphereSet& spheres, std::size_t cells);
 
   Buffer<Sphere> spheres_;
-  Buffer<std::uint32_t> rank_;
+  Buffer<Rank> rank_;
   Buffer<SphereId> id_;
   Buffer<std::uint32_t> cell_start_;  // of all levels, and one more element: the end of the list
   CellListView view_{};
@@ -125,8 +125,8 @@ VDWMESH_HD bool visit_rows_near_box(const CellListView& list, const Vec3d& lower
         const std::int64_t row =
             (static_cast<std::int64_t>(z) * level.cells[1] + y) * level.cells[0];
         // The cells of a row along x are consecutive, so their spheres are consecutive in the list.
-        const std::uint32_t first = level.cell_start[row + rx.first];
-        if (visit_row(first, level.cell_start[row + rx.last + 1])) return true;
+        const ListPlace first{level.cell_start[row + rx.first]};
+        if (visit_row(first, ListPlace{level.cell_start[row + rx.last + 1]})) return true;
       }
     }
   }
@@ -139,9 +139,9 @@ VDWMESH_HD bool visit_rows_near_box(const CellListView& list, const Vec3d& lower
 template <class Visit>
 VDWMESH_HD bool visit_near_box(const CellListView& list, const Vec3d& lower, const Vec3d& upper,
                                Visit&& visit) {
-  return visit_rows_near_box(list, lower, upper, [&](std::uint32_t first, std::uint32_t end) {
-    for (std::uint32_t place = first; place < end; ++place) {
-      if (visit(place)) return true;
+  return visit_rows_near_box(list, lower, upper, [&](ListPlace first, ListPlace end) {
+    for (std::uint32_t i = to_index(first); i < to_index(end); ++i) {
+      if (visit(ListPlace{i})) return true;
     }
     return false;
   });

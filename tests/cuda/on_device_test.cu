@@ -109,9 +109,9 @@ void expect_same_list(const CellListView& device, const CellListView& host,
                       const std::string& what) {
   ASSERT_EQ(device.size, host.size) << what;
   ASSERT_EQ(device.level_count, host.level_count) << what;
-  expect_same_array(device.id, host.id, host.size, what + ": ids");
-  expect_same_array(device.rank, host.rank, host.size, what + ": ranks");
-  expect_same_array(device.spheres, host.spheres, host.size, what + ": spheres");
+  expect_same_array(device.id.data(), host.id.data(), host.size, what + ": ids");
+  expect_same_array(device.rank.data(), host.rank.data(), host.size, what + ": ranks");
+  expect_same_array(device.spheres.data(), host.spheres.data(), host.size, what + ": spheres");
   for (int l = 0; l < host.level_count; ++l) {
     const CellListView::Level& level = host.levels[l];
     EXPECT_TRUE(static_cast<const CellLevel&>(device.levels[l]) == level) << what;

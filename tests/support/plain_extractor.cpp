@@ -44,7 +44,7 @@ class PlainUnion {
  private:
   bool is_inside(int x, int y, int z) const {
     for (std::uint32_t k = 0; k < list_.size; ++k) {
-      if (inside_ball(geometry_.node(x, y, z), list_.spheres[k])) return true;
+      if (inside_ball(geometry_.node(x, y, z), list_.spheres[ListPlace{k}])) return true;
     }
     return false;
   }
@@ -53,11 +53,12 @@ class PlainUnion {
     const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
     const EdgePoint exit =
         first_exit(node, edge.axis, edge.direction, model_.grid.spacing, [&](auto&& visit) {
-          for (std::uint32_t k = 0; k < list_.size; ++k) visit(list_.spheres[k], list_.rank[k], k);
+          for (std::uint32_t k = 0; k < list_.size; ++k)
+            visit(list_.spheres[ListPlace{k}], list_.rank[ListPlace{k}], k);
         });
     const Vec3d p = point_on_edge(edge, node, exit.distance);
-    return {p, unit_or(p - list_.spheres[exit.owner].center, edge_direction(edge)),
-            list_.id[exit.owner], exit.clamped};
+    return {p, unit_or(p - list_.spheres[ListPlace{exit.owner}].center, edge_direction(edge)),
+            list_.id[ListPlace{exit.owner}], exit.clamped};
   }
 
   const CellListView& list_;
@@ -75,7 +76,7 @@ class PlainField {
   void visit(const BrickIndex& brick) {
     geometry_ = brick_geometry(model_.grid, brick);
     for (std::uint32_t k = 0; k < list_.size; ++k) {
-      const Sphere& s = list_.spheres[k];
+      const Sphere& s = list_.spheres[ListPlace{k}];
       atoms_[k].scale = static_cast<float>(inverse_square_scale(model_, s.radius));
       for (int axis = 0; axis < 3; ++axis) {
         for (int node = 0; node < kBrickReach; ++node) {
@@ -135,16 +136,17 @@ class PlainField {
     const Vec3f local = cast<float>(v.position - geometry_.node(0, 0, 0));
     LocalGradient g;
     for (std::uint32_t k = 0; k < list_.size; ++k) {
-      if (!counts_at(edge, list_.spheres[k])) continue;
-      const Vec3f center = cast<float>(list_.spheres[k].center - geometry_.node(0, 0, 0));
-      add_gradient<Kind>(shape, local - center, atoms_[k].scale, list_.rank[k], k, g);
+      if (!counts_at(edge, list_.spheres[ListPlace{k}])) continue;
+      const Vec3f center =
+          cast<float>(list_.spheres[ListPlace{k}].center - geometry_.node(0, 0, 0));
+      add_gradient<Kind>(shape, local - center, atoms_[k].scale, list_.rank[ListPlace{k}], k, g);
     }
     if (!(g.strongest.value > 0)) {
       for (std::uint32_t k = 0; k < list_.size; ++k)
-        g.strongest.meet(with_atom(atoms_[k], edge.inside, 0.0f), list_.rank[k], k);
+        g.strongest.meet(with_atom(atoms_[k], edge.inside, 0.0f), list_.rank[ListPlace{k}], k);
     }
     v.normal = outward_normal(g, v);
-    v.sphere = list_.id[g.strongest.atom];
+    v.sphere = list_.id[ListPlace{g.strongest.atom}];
     return v;
   }
 

@@ -44,7 +44,7 @@ struct ThreadSpace {
 struct ArcSpace {
   tbb::enumerable_thread_specific<ThreadSpace> threads;
   Buffer<std::uint8_t> is_doubtful;  // by sphere id
-  Buffer<std::uint32_t> places;      // list places of the measured spheres, ascending
+  Buffer<ListPlace> places;          // of the measured spheres, ascending
 };
 
 // One run over the spheres of a list.
@@ -57,16 +57,16 @@ struct ArcRun {
 
 // Joins the ball with those that overlap it. If a ball buries it, joining these two is enough,
 // because the burying ball overlaps all that this one overlaps.
-void join_neighbors(const ArcRun& run, std::uint32_t place, const arcs::BallCaps& caps,
+void join_neighbors(const ArcRun& run, ListPlace place, const arcs::BallCaps& caps,
                     bool is_buried) {
-  const SphereId* const id = run.list.id;
+  const ByListPlace<SphereId> id = run.list.id;
   if (is_buried) run.connected->join(id[place], id[caps.buried_by()]);
-  for (const std::uint32_t other : caps.neighbors()) run.connected->join(id[place], id[other]);
+  for (const ListPlace other : caps.neighbors()) run.connected->join(id[place], id[other]);
 }
 
-// Returns the measures of the sphere at list place `place`, in Å² and Å³, with the doubts about
+// Returns the measures of the sphere at a list place, in Å² and Å³, with the doubts about
 // them.
-arcs::BallMeasures measure_sphere(const ArcRun& run, std::uint32_t place, ThreadSpace& work) {
+arcs::BallMeasures measure_sphere(const ArcRun& run, ListPlace place, ThreadSpace& work) {
   const bool is_buried = !work.caps.find(run.list, place);
   if (run.connected != nullptr) join_neighbors(run, place, work.caps, is_buried);
   if (is_buried) {
@@ -83,9 +83,9 @@ arcs::BallMeasures measure_sphere(const ArcRun& run, std::uint32_t place, Thread
 }
 
 // Measures the spheres at the given list places.
-VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const std::uint32_t> places,
+VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const ListPlace> places,
                                           ThreadSpace& work) {
-  for (const std::uint32_t place : places) {
+  for (const ListPlace place : places) {
     const SphereId id = run.list.id[place];
     const arcs::BallMeasures m = measure_sphere(run, place, work);
     run.result.per_sphere[id] = {m.area, m.volume};
@@ -95,18 +95,18 @@ VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const std
 
 // Fills `places` with the list places of the measured spheres, and the results of all others.
 void find_places(const CellListView& list, const MeasuredSpheres& measured, ArcMeasures& result,
-                 Buffer<std::uint8_t>& is_doubtful, Buffer<std::uint32_t>& places) {
+                 Buffer<std::uint8_t>& is_doubtful, Buffer<ListPlace>& places) {
   constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
   places.resize(list.size);
   const auto is_measured = [&](std::size_t place) {
-    const SphereId id = list.id[place];
+    const SphereId id = list.id[static_cast<ListPlace>(place)];
     if (measured.contains(id)) return true;
     result.per_sphere[id] = {kNotMeasured, kNotMeasured};
     is_doubtful[id] = 0;
     return false;
   };
   places.resize(number_all(list.size, is_measured, [&](std::size_t place, std::uint32_t number) {
-    places[number] = static_cast<std::uint32_t>(place);
+    places[number] = static_cast<ListPlace>(place);
   }));
 }
 

@@ -1,6 +1,7 @@
 // The caps that all other balls of a union cover on one sphere.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -20,13 +21,13 @@ class BallCaps {
   // Finds the caps of the balls that cut the ball at list place `place`. Returns false, and has no
   // caps, if one of the others buries it; of equal balls the one of the lowest id buries the
   // others.
-  bool find(const CellListView& list, std::uint32_t place);
+  bool find(const CellListView& list, ListPlace place);
 
   std::span<const Cap> caps() const { return {caps_.data(), count_}; }
-  // The list places of the balls that cover the caps, in the order that find() left the caps in.
-  std::span<const std::uint32_t> neighbors() const { return {neighbors_.data(), count_}; }
-  // The list place of a ball that buries this one; valid if find() returned false.
-  std::uint32_t buried_by() const { return buried_by_; }
+  // The balls that cover the caps, in the order that find() left the caps in.
+  std::span<const ListPlace> neighbors() const { return {neighbors_.data(), count_}; }
+  // A ball that buries this one; valid if find() returned false.
+  ListPlace buried_by() const { return buried_by_; }
   // Whether the spheres of this ball and another one touch, or nearly so, from outside or inside.
   // Known if find() returned true.
   bool is_nearly_tangent() const { return is_nearly_tangent_; }
@@ -36,27 +37,27 @@ class BallCaps {
   struct Four {
     Lanes x, y, z, radius;
   };
-  static Four four_of(const CellListView& list, const Sphere& ball, const std::uint32_t* places);
+  static Four four_of(const CellListView& list, const Sphere& ball, const ListPlace* places);
 
-  void list_candidates(const CellListView& list, const Sphere& ball, std::uint32_t place);
-  bool keep_near(const CellListView& list, const Sphere& ball, std::uint32_t place);
+  void list_candidates(const CellListView& list, const Sphere& ball, ListPlace place);
+  bool keep_near(const CellListView& list, const Sphere& ball, ListPlace place);
   bool make_caps(const CellListView& list, const Sphere& ball);
-  bool find_singly(const CellListView& list, const Sphere& ball, std::uint32_t place);
+  bool find_singly(const CellListView& list, const Sphere& ball, ListPlace place);
 
-  std::vector<std::uint32_t> near_;  // list places of candidates, then of the balls near this one
-  std::vector<double> to_;           // the near balls as four_of() gives them, four by four
-  std::vector<double> distance_;     // of the near balls' centres
+  std::vector<ListPlace> near_;   // candidates, then the balls near this one
+  std::vector<double> to_;        // the near balls as four_of() gives them, four by four
+  std::vector<double> distance_;  // of the near balls' centres
   std::vector<Cap> caps_;
-  std::vector<std::uint32_t> neighbors_;
+  std::vector<ListPlace> neighbors_;
   std::size_t near_count_ = 0, count_ = 0;
-  std::uint32_t buried_by_ = 0;
+  ListPlace buried_by_{};
   bool is_nearly_tangent_ = false;
 };
 
 VDWMESH_INLINE BallCaps::Four BallCaps::four_of(const CellListView& list, const Sphere& ball,
-                                                const std::uint32_t* places) {
+                                                const ListPlace* places) {
   static_assert(sizeof(Sphere) == sizeof(Lanes));
-  const Sphere* const spheres = list.spheres;
+  const ByListPlace<Sphere> spheres = list.spheres;
   Lanes x = lanes_at(&spheres[places[0]].center.x), y = lanes_at(&spheres[places[1]].center.x),
         z = lanes_at(&spheres[places[2]].center.x), radius = lanes_at(&spheres[places[3]].center.x);
   transpose(x, y, z, radius);
@@ -67,15 +68,16 @@ VDWMESH_INLINE BallCaps::Four BallCaps::four_of(const CellListView& list, const 
 // Fills near_ with the balls of all cells near this one, and behind them with the ball itself up to
 // a multiple of four.
 VDWMESH_INLINE void BallCaps::list_candidates(const CellListView& list, const Sphere& ball,
-                                              std::uint32_t place) {
+                                              ListPlace place) {
   using Places = std::uint32_t __attribute__((vector_size(16)));
   const Vec3d r{ball.radius, ball.radius, ball.radius};
   std::size_t found = 0;
-  const auto take_row = [&](std::uint32_t first, std::uint32_t end) {
+  const auto take_row = [&](ListPlace first_place, ListPlace end_place) {
+    const std::uint32_t first = to_index(first_place), end = to_index(end_place);
     const std::size_t most = found + (end - first) + 8;
     if (near_.size() < most) near_.resize(2 * most);
     // Eight at a time, more than most rows have; what is too many is overwritten by the next row.
-    std::uint32_t* next = near_.data() + found;
+    ListPlace* next = near_.data() + found;
     Places low{first, first + 1, first + 2, first + 3};
     for (std::uint32_t i = first;;) {
       const Places high = low + 4;
@@ -90,8 +92,7 @@ VDWMESH_INLINE void BallCaps::list_candidates(const CellListView& list, const Sp
     return false;
   };
   visit_rows_near_box(list, ball.center - r, ball.center + r, take_row);
-  const Places own{place, place, place, place};
-  std::memcpy(&near_[found], &own, sizeof own);
+  std::fill_n(&near_[found], 4, place);
   near_count_ = found;
 }
 
@@ -99,15 +100,15 @@ VDWMESH_INLINE void BallCaps::list_candidates(const CellListView& list, const Sp
 // centre. Returns false if other balls than the ball itself have its centre, but for underflow.
 // Without branches on what is near: the processor could not foresee them.
 VDWMESH_INLINE bool BallCaps::keep_near(const CellListView& list, const Sphere& ball,
-                                        std::uint32_t place) {
+                                        ListPlace place) {
   const Lanes own_radius = all_lanes(ball.radius), margin = all_lanes(1 + kTouching),
               least = all_lanes(kLeastSquare);
-  std::uint32_t* const near = near_.data();
+  ListPlace* const near = near_.data();
   std::size_t found = 0;
   LaneBits concentric{};
   const std::size_t count = near_count_;
   for (std::size_t i = 0; i < count; i += 4) {
-    const std::uint32_t places[4] = {near[i], near[i + 1], near[i + 2], near[i + 3]};
+    const ListPlace places[4] = {near[i], near[i + 1], near[i + 2], near[i + 3]};
     const Four to = four_of(list, ball, places);
     const Lanes sum = margin * (own_radius + to.radius),
                 squared = to.x * to.x + to.y * to.y + to.z * to.z;
@@ -128,7 +129,7 @@ VDWMESH_INLINE bool BallCaps::keep_near(const CellListView& list, const Sphere& 
 // The ball itself, with which the last four are filled up, has a cosine of NaN and no cap.
 VDWMESH_INLINE bool BallCaps::make_caps(const CellListView& list, const Sphere& ball) {
   const std::size_t count = near_count_, fours = (count + 3) / 4;
-  const std::uint32_t* const near = near_.data();
+  const ListPlace* const near = near_.data();
   if (to_.size() < 16 * fours) {
     to_.resize(32 * fours);
     distance_.resize(8 * fours);
@@ -182,8 +183,7 @@ VDWMESH_INLINE bool BallCaps::make_caps(const CellListView& list, const Sphere& 
 }
 
 // Looks at one candidate after another, until one buries the ball.
-inline bool BallCaps::find_singly(const CellListView& list, const Sphere& ball,
-                                  std::uint32_t place) {
+inline bool BallCaps::find_singly(const CellListView& list, const Sphere& ball, ListPlace place) {
   if (caps_.size() < near_count_) {
     caps_.resize(2 * near_count_);
     neighbors_.resize(2 * near_count_);
@@ -192,7 +192,7 @@ inline bool BallCaps::find_singly(const CellListView& list, const Sphere& ball,
   is_nearly_tangent_ = false;
   std::size_t found = 0;
   for (std::size_t i = 0; i < near_count_; ++i) {
-    const std::uint32_t other = near_[i];
+    const ListPlace other = near_[i];
     const Sphere& near = list.spheres[other];
     buried_by_ = other;
     if (near.center == ball.center) {
@@ -215,7 +215,7 @@ inline bool BallCaps::find_singly(const CellListView& list, const Sphere& ball,
   return true;
 }
 
-inline bool BallCaps::find(const CellListView& list, std::uint32_t place) {
+inline bool BallCaps::find(const CellListView& list, ListPlace place) {
   const Sphere& ball = list.spheres[place];
   list_candidates(list, ball, place);
   if (keep_near(list, ball, place) && make_caps(list, ball)) return true;

@@ -7,6 +7,22 @@
 // the next edge with a corner. All of this is read from the links of the cell, without coordinates.
 // Rounding only decides what the cell is, and where it might decide wrongly there is a doubt
 // (doubts.hpp).
+//
+// A ball that BallCaps finds buried has no arcs and no corners, and raises no doubt itself.
+// Rounding may have decided that wrongly, but then another ball has a doubt that leads to this one:
+// 1. Ball i is found buried by ball j if the computed cosine of j's cap on i is at most -1. The
+//    radii enter by the exact sign of their difference, so r_j > r_i. The cosine is a quotient of
+//    d² + (r_i - r_j)(r_i + r_j), where |r_i - r_j| is nearly d, so its error is some ε (r_i + r_j)
+//    / r_i, with ε = 1e-15. It follows that i sticks out of j by a few ε d at most.
+// 2. Let j be buried by k, and so on. Radii rise, so the chain ends in a ball m that is not found
+//    buried. Each ball sticks out of the next one by a few ε times their distance at most, and each
+//    distance is about the difference of the radii. So all balls of the chain stick out of m by a
+//    few ε (r_m - r) at most, with r their radius.
+// 3. If m does cover i, then i is buried, and nothing was wrong. If not, the distance d of their
+//    centres is more than r_m - r_i, so i sticks out of m by a few ε d at most. The cosine of i's
+//    cap on m is then 1, but for a few ε, which is far less than kTouching: m is nearly tangent.
+// 4. So m is in doubt, i touches it, and arrange() takes the rows of all balls that touch one in
+//    doubt from a triangulation.
 #include "arrangement/arcs/boundary_rows.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -123,9 +139,9 @@ struct ReadingSpace {
 };
 
 // Reads the row of one ball and returns its exposed area, or nothing if there is a doubt.
-std::optional<double> read_ball(const CellListView& list, std::uint32_t place, ReadingSpace& work,
+std::optional<double> read_ball(const CellListView& list, ListPlace place, ReadingSpace& work,
                                 BoundaryRows& out) {
-  if (!work.caps.find(list, place)) return 0.0;  // buried
+  if (!work.caps.find(list, place)) return 0.0;  // buried: without a doubt, as the head says
   const arcs::BallMeasures m = work.ball.measure(work.caps.caps());
   if (m.doubts != 0 || work.caps.is_nearly_tangent()) return std::nullopt;
   const auto number_of = [&](std::uint32_t plane) {
@@ -140,9 +156,8 @@ std::optional<double> read_ball(const CellListView& list, std::uint32_t place, R
 }
 
 // The balls of one block.
-VDWMESH_MULTIVERSION void read_balls(const CellListView& list,
-                                     std::span<const std::uint32_t> places, std::size_t first,
-                                     ReadingSpace& work, CellBoundary& out) {
+VDWMESH_MULTIVERSION void read_balls(const CellListView& list, std::span<const ListPlace> places,
+                                     std::size_t first, ReadingSpace& work, CellBoundary& out) {
   BoundaryRows& rows = out.rows[first / kBallsPerRows];
   for (std::size_t i = 0; i < places.size(); ++i) {
     const std::optional<double> area = read_ball(list, places[i], work, rows);
@@ -163,9 +178,10 @@ void BoundaryRows::drop_row() {
 
 CellBoundary cell_boundary(const CellListView& list, Monitor* monitor) {
   const std::size_t count = list.size;
-  Buffer<std::uint32_t> places(count);  // by ball
-  for_each_index(count, [&](std::size_t place) {
-    places[list.id[place]] = static_cast<std::uint32_t>(place);
+  Buffer<ListPlace> places(count);  // by ball
+  for_each_index(count, [&](std::size_t i) {
+    const auto place = static_cast<ListPlace>(i);
+    places[list.id[place]] = place;
   });
   CellBoundary out{std::vector<BoundaryRows>(block_count(count, kBallsPerRows)),
                    std::vector<std::uint8_t>(count), std::vector<double>(count)};

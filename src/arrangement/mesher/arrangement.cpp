@@ -43,13 +43,19 @@ std::size_t blocks_of(std::size_t balls) {
 // It is beyond what raises a doubt (arcs::kTouching).
 constexpr double kTouchingReach = 1 + 1e-6;
 
-// Calls visit(ball) for all balls that touch the one at a place of the list, itself included.
+// Calls visit(ball) for all balls that touch the one at a list place, itself included. However far
+// the balls are from the origin, none is missed. The difference of two centres has an error of half
+// a unit in its own last place, not in that of the coordinates. The corners of the box err by half
+// a unit in the last place of a coordinate of this ball, which is at most that of the other ball
+// plus both radii. A share of 1e-6 of this ball's radius is there to spare, and the reach of the
+// other ball's level is larger than its radius by 32 units in the last place of the largest
+// coordinate or reach of the level.
 template <class Visit>
-void visit_touching(const CellListView& list, std::uint32_t place, const Visit& visit) {
+void visit_touching(const CellListView& list, ListPlace place, const Visit& visit) {
   const Sphere& s = list.spheres[place];
   const double reach = kTouchingReach * s.radius;
   const Vec3d around{reach, reach, reach};
-  visit_near_box(list, s.center - around, s.center + around, [&](std::uint32_t other) {
+  visit_near_box(list, s.center - around, s.center + around, [&](ListPlace other) {
     const Sphere& o = list.spheres[other];
     if (norm(o.center - s.center) <= kTouchingReach * (s.radius + o.radius)) visit(list.id[other]);
     return false;
@@ -60,9 +66,10 @@ void visit_touching(const CellListView& list, std::uint32_t place, const Visit& 
 std::vector<std::uint8_t> with_touching(const CellListView& list,
                                         const std::vector<std::uint8_t>& balls) {
   std::vector<std::uint8_t> out(balls.size(), 0);
-  for_each_index(balls.size(), [&](std::size_t place) {
+  for_each_index(balls.size(), [&](std::size_t i) {
+    const auto place = static_cast<ListPlace>(i);
     if (!balls[list.id[place]]) return;
-    visit_touching(list, static_cast<std::uint32_t>(place), [&](std::uint32_t ball) {
+    visit_touching(list, place, [&](std::uint32_t ball) {
       std::atomic_ref(out[ball]).store(1, std::memory_order_relaxed);
     });
   });

@@ -85,7 +85,7 @@ std::vector<SphereId> near_spheres(const SphereSet& spheres, const Parts& parts,
     const Vec3d around{radius, radius, radius};
     const bool is_near =
         visit_near_box(view, s.center - around, s.center + around,
-                       [&](std::uint32_t place) { return may_touch(s, view.spheres[place]); });
+                       [&](ListPlace place) { return may_touch(s, view.spheres[place]); });
     if (is_near) found.push_back(static_cast<SphereId>(i));
   });
 }

@@ -75,10 +75,9 @@ class BlendedBrick {
   float isovalue_;
   BrickGeometry geometry_{};
   std::vector<LocalAtom> atoms_;  // the atoms that reach the brick
-  // The list place of each of them: the index at which the cell list has the sphere, its id and its
-  // rank, the place in canonical_order(). Of atoms that contribute equally, the one of lowest rank
-  // gives the label.
-  std::vector<std::uint32_t> places_;
+  // By index in atoms_. With it list_ gives the id and the rank of the atom. Of atoms that
+  // contribute equally, the one of lowest rank gives the label.
+  std::vector<ListPlace> places_;
 };
 
 template <BlendedKind Kind>
@@ -118,7 +117,7 @@ void BlendedBrick<Kind>::visit(const BrickIndex& brick) {
   atoms_.clear();
   places_.clear();
   visit_near_box(list_, geometry_.node(0, 0, 0), geometry_.node(kBrickSide, kBrickSide, kBrickSide),
-                 [&](std::uint32_t place) {
+                 [&](ListPlace place) {
                    if (!reaches_brick(model_, geometry_, list_.spheres[place])) return false;
                    atoms_.push_back(local_atom(list_.spheres[place]));
                    places_.push_back(place);
@@ -167,12 +166,12 @@ void BlendedBrick<Kind>::signs(BrickSigns& signs) const {
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
-// Whether the node lies in the atom's sub-grid; always true for fields without sub-grids. In a
+// Whether the atom's sub-grid contains the node; always true for fields without sub-grids. In a
 // field with sub-grids, an atom contributes to a vertex if the inside end of the vertex's edge lies
 // in its sub-grid. To ask instead whether the atom's value at that node is above 0 would be a wrong
 // test: the terms of a steep Blinn field may underflow to 0 at the node while the contribution at
 // the vertex is large.
-inline bool has_in_subgrid(const LocalAtom& a, const int node[3]) {
+inline bool subgrid_contains(const LocalAtom& a, const int node[3]) {
   return (a.in_subgrid[0] >> node[0] & a.in_subgrid[1] >> node[1] & a.in_subgrid[2] >> node[2] &
           1) != 0;
 }
@@ -195,7 +194,7 @@ EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   LocalGradient g;
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
     const LocalAtom& a = atoms_[k];
-    if (!has_in_subgrid(a, edge.inside)) continue;
+    if (!subgrid_contains(a, edge.inside)) continue;
     add_gradient<Kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
                        list_.rank[places_[k]], k, g);
   }

@@ -95,7 +95,7 @@ VDWMESH_HD bool union_may_cross(const CellListView& list, const BlockBox& box,
   // that the surface may cross.
   const bool coverable = box.upper.x - box.lower.x <= 2 * largest;
   bool touched = false, covered = false;
-  visit_near([&](std::uint32_t place) {
+  visit_near([&](ListPlace place) {
     const Sphere& ball = list.spheres[place];
     const SquareRange d2 = square_range(box, ball.center);
     const double r2 = ball.radius * ball.radius;
@@ -281,7 +281,7 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
   const ShapeParameters<double> shape = shape_parameters<double>(m);
   const BoxFrame<double> frame = box_frame<double>(box.lower, box.upper);
   FieldBounds<double> bounds;
-  const bool stopped_early = visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
+  const bool stopped_early = visit_near_box(list, box.lower, box.upper, [&](ListPlace place) {
     const Sphere& ball = list.spheres[place];
     const Vec3d from = frame.middle - ball.center;
     const double to_middle[3] = {from.x, from.y, from.z};

@@ -9,6 +9,7 @@
 
 #include "core/host_device.hpp"
 #include "extract/blended/field_formulas.hpp"
+#include "spheres/list_place.hpp"
 
 namespace vdwmesh {
 
@@ -83,23 +84,24 @@ struct UnionExit {
 //    the run to its own end. This repeats over all balls until none extends the run.
 // If several intervals end exactly at the exit, the ball of lowest rank owns it. for_each(visit)
 // calls visit(ball, rank, index) for all balls that touch the edge and possibly for others, which
-// change nothing; `rank` is the ball's place in the canonical order, and `index` the caller's
-// number for it. If visit() returns false, the ball changes nothing any more, and later calls of
-// for_each may leave it out. The result is not clamped to the edge.
+// change nothing; `index` is the caller's number for the ball. If visit() returns false, the ball
+// changes nothing any more, and later calls of for_each may leave it out. The result is not clamped
+// to the edge.
 template <class ForEach>
 VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, double spacing,
                                 ForEach&& for_each) {
   double reach = -1;  // end of the run so far; -1 is below every exit, because exits are at least 0
-  std::uint32_t owner = 0, owner_rank = 0;
+  std::uint32_t owner = 0;
+  Rank owner_rank{};
   bool others = false;  // some ball does not hold the node; if all do, step 2 changes nothing
   // Ends the run at an exit that is at or beyond its end; of equal exits the lower rank wins.
-  const auto end_at = [&](double exit, std::uint32_t rank, std::uint32_t index) {
+  const auto end_at = [&](double exit, Rank rank, std::uint32_t index) {
     if (exit == reach && rank >= owner_rank) return;
     reach = exit;
     owner = index;
     owner_rank = rank;
   };
-  for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
+  for_each([&](const Sphere& ball, Rank rank, std::uint32_t index) {
     if (!inside_ball(node, ball)) {
       others = true;
       return true;
@@ -111,7 +113,7 @@ VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, d
   });
   for (bool grown = others; grown;) {
     grown = false;
-    for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
+    for_each([&](const Sphere& ball, Rank rank, std::uint32_t index) {
       const Interval i = cover(ball, node, axis, direction);
       if (i.empty || i.exit < reach || i.enter > spacing) return false;
       if (i.enter > reach) return true;  // the run may still grow to where the interval begins

@@ -12,9 +12,9 @@ namespace vdwmesh {
 
 struct FieldSample {
   double value;
-  Vec3d gradient;       // 1/Å
-  std::uint32_t place;  // list place of the largest contribution, lowest rank among equals
-  bool in_reach;        // some atom contributes more than 0; if false, `place` has no meaning
+  Vec3d gradient;   // 1/Å
+  ListPlace place;  // of the largest contribution, lowest rank among equals
+  bool in_reach;    // some atom contributes more than 0; if false, `place` has no meaning
 };
 
 // Sums over the spheres near p in list order. Precondition: the reaches of `list` are those of
@@ -24,9 +24,9 @@ template <BlendedKind Kind>
 VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& model,
                                     const Vec3d& p) {
   const ShapeParameters<double> shape = shape_parameters<double>(model);
-  FieldSample sample{0, {0, 0, 0}, 0, false};
+  FieldSample sample{0, {0, 0, 0}, ListPlace{}, false};
   double largest = 0;
-  visit_near_box(list, p, p, [&](std::uint32_t place) {
+  visit_near_box(list, p, p, [&](ListPlace place) {
     const Sphere& ball = list.spheres[place];
     if (model.truncation == Truncation::subgrid) {
       for (int axis = 0; axis < 3; ++axis) {

@@ -12,6 +12,7 @@
 #include "extract/bricks/brick_geometry.hpp"
 #include "extract/bricks/edge_vertex.hpp"
 #include "extract/field_kinds.hpp"
+#include "spheres/list_place.hpp"
 
 namespace vdwmesh {
 
@@ -88,12 +89,12 @@ VDWMESH_HD inline float add_to_node(const NodeShape& p, const LocalAtom& a, cons
 // rank wins. Contributions of 0 do not count, so a value of 0 means that no atom has contributed.
 struct Strongest {
   float value = 0;
-  std::uint32_t rank = 0;
+  Rank rank{};
   std::uint32_t atom = 0;
 
   // Takes the candidate if it is larger than the maximum so far, or equal and of lower rank. While
   // the maximum is 0, its rank is 0, and none is lower: a candidate of 0 is never taken.
-  VDWMESH_HD void meet(float candidate, std::uint32_t candidate_rank, std::uint32_t index) {
+  VDWMESH_HD void meet(float candidate, Rank candidate_rank, std::uint32_t index) {
     if (!(candidate > value || (candidate == value && candidate_rank < rank))) return;
     value = candidate;
     rank = candidate_rank;
@@ -114,8 +115,7 @@ VDWMESH_HD inline float local_square(const Vec3f& local) {
 // Adds an atom to the gradient at a vertex. `local` is the vertex less the atom's centre, Å.
 template <BlendedKind Kind>
 VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const Vec3f& local,
-                                    float scale, std::uint32_t rank, std::uint32_t atom,
-                                    LocalGradient& g) {
+                                    float scale, Rank rank, std::uint32_t atom, LocalGradient& g) {
   const float d2 = local_square(local);
   const ValueAndSlope<float> f = Kind::value_and_slope(shape, d2, scale);
   for (int axis = 0; axis < 3; ++axis) g.sum[axis] = std::fma(f.slope, local[axis], g.sum[axis]);

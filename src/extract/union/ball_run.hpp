@@ -23,7 +23,7 @@ class BallSearch {
 
   // Replaces `places` by the list places, rising, of the balls that touch the box of the brick's
   // nodes. Some balls that miss the box by rounding may be among them.
-  void find(const BrickGeometry& brick, std::vector<std::uint32_t>& places) {
+  void find(const BrickGeometry& brick, std::vector<ListPlace>& places) {
     const BrickIndex& b = brick.brick;
     const BrickIndex start{b.x / kBricks * kBricks, b.y, b.z};
     if (!(start == start_)) search(start, brick);
@@ -76,7 +76,7 @@ class BallSearch {
     upper.x = lattice_coordinate(grid_, 0, lattice_index(start.x + kBricks, 0));
     std::size_t found = 0;
     place_.resize(std::max(place_.capacity(), std::size_t{64}));
-    visit_near_box(list_, lower, upper, [&](std::uint32_t place) {
+    visit_near_box(list_, lower, upper, [&](ListPlace place) {
       const Sphere& ball = list_.spheres[place];
       place_[found] = place;
       found += square_to_box(ball.center, lower, upper) <= touch_square(ball) ? 1 : 0;
@@ -99,7 +99,7 @@ class BallSearch {
   BrickIndex start_{-1, -1, -1};  // first brick of the group; -1: nothing has been searched yet
   // Balls near the group: list place, centre (Å), and squared radius times kTouchMargin (Å²).
   // Separate arrays let the compiler vectorise the filter.
-  std::vector<std::uint32_t> place_;
+  std::vector<ListPlace> place_;
   std::vector<double> x_, y_, z_, reach2_;
   // 1 if the ball touches the brick, else 0. The elements are as wide as a double, so that the
   // vectorised filter stores them without conversion.

@@ -66,9 +66,9 @@ class UnionBrick {
   const GridSpec& grid_;
   BallSearch run_;
   BrickGeometry geometry_{};
-  std::vector<std::uint32_t> places_;  // list places of the balls that touch the brick
-  std::vector<Sphere> balls_;          // these balls; "ball k" below is balls_[k]
-  NearBalls near_;                     // these balls in float32
+  std::vector<ListPlace> places_;  // of the balls that touch the brick
+  std::vector<Sphere> balls_;      // these balls; "ball k" below is balls_[k]
+  NearBalls near_;                 // these balls in float32
   SignFilter sign_filter_;
   EdgeLanes lanes_;
   // Bit k % 32 of touching_[(k / 32) * EdgeLanes::kMost + e] is set if ball k may touch edge e. The

@@ -60,7 +60,7 @@ void expect_as_in_dual_complex(const SphereSet& spheres) {
 double sampled_area(const ExposedSurface& surface, double density) {
   std::uint64_t count = 0;
   for (const Patch& patch : surface.patches()) {
-    Random random(1, patch.place);
+    Random random(1, to_index(patch.place));
     sample_patch(patch, density, random, [&](const Vec3d&) { ++count; });
   }
   return static_cast<double>(count) / density;
@@ -74,7 +74,7 @@ TEST(ExposedSurface, ACircleIsSampledOnce) {
   const ExposedSurface surface(spheres);
   double count = 0;
   for (const Patch& patch : surface.patches()) {
-    Random random(1, patch.place);
+    Random random(1, to_index(patch.place));
     sample_border(patch, kDensity, random, [&](const Vec3d&) { ++count; });
   }
   EXPECT_EQ(count, std::ceil(std::sqrt(3.0) * std::numbers::pi * kDensity));

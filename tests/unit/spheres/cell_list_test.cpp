@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -51,9 +52,9 @@ void expect_finds_all(const SphereSet& spheres, unsigned seed) {
     }
     std::set<SphereId> found;
     std::int64_t previous = -1;
-    visit_near_box(list.view(), lower, upper, [&](std::uint32_t place) {
+    visit_near_box(list.view(), lower, upper, [&](ListPlace place) {
       EXPECT_GT(static_cast<std::int64_t>(place), previous) << "not in list order";
-      previous = place;
+      previous = static_cast<std::int64_t>(place);
       EXPECT_TRUE(found.insert(list.view().id[place]).second);
       return false;
     });
@@ -84,16 +85,17 @@ TEST(CellList, OrdersBySpheresNotByInput) {
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937_64(6));
   const CellList a = make_ball_list(SphereSet(spheres)), b = make_ball_list(SphereSet(shuffled));
   for (std::uint32_t i = 0; i < a.view().size; ++i) {
-    EXPECT_EQ(a.view().spheres[i].center, b.view().spheres[i].center);
-    EXPECT_EQ(a.view().rank[i], b.view().rank[i]);
+    const ListPlace place{i};
+    EXPECT_EQ(a.view().spheres[place].center, b.view().spheres[place].center);
+    EXPECT_EQ(a.view().rank[place], b.view().rank[place]);
   }
 }
 
 TEST(CellList, StopsWhenAsked) {
   const CellList list = make_ball_list(SphereSet(random_spheres(50, 1, 1, 2, 7)));
   int visits = 0;
-  EXPECT_TRUE(visit_near_box(list.view(), {0, 0, 0}, {0, 0, 0},
-                             [&](std::uint32_t) { return ++visits == 3; }));
+  EXPECT_TRUE(
+      visit_near_box(list.view(), {0, 0, 0}, {0, 0, 0}, [&](ListPlace) { return ++visits == 3; }));
   EXPECT_EQ(visits, 3);
 }
 
@@ -133,12 +135,12 @@ TEST(CellList, PartsInOneFrameVisitSharedSpheresInOneOrder) {
     for (int q = 0; q < 50; ++q) {
       const Vec3d at = all[random() % all.size()].center;
       std::vector<SphereId> expected, found;
-      visit_near_box(list.view(), at, at, [&](std::uint32_t place) {
+      visit_near_box(list.view(), at, at, [&](ListPlace place) {
         const SphereId id = list.view().id[place];
         if (std::ranges::binary_search(ids, id)) expected.push_back(id);
         return false;
       });
-      visit_near_box(sub.view(), at, at, [&](std::uint32_t place) {
+      visit_near_box(sub.view(), at, at, [&](ListPlace place) {
         found.push_back(ids[sub.view().id[place]]);
         return false;
       });
@@ -157,7 +159,8 @@ TEST(CellList, RebuildingIsLikeBuilding) {
     const CellList fresh(spheres, reach);
     ASSERT_EQ(kept.view().size, fresh.view().size);
     ASSERT_EQ(kept.view().level_count, fresh.view().level_count);
-    for (std::uint32_t place = 0; place < fresh.view().size; ++place) {
+    for (std::uint32_t i = 0; i < fresh.view().size; ++i) {
+      const ListPlace place{i};
       ASSERT_EQ(kept.view().id[place], fresh.view().id[place]);
       ASSERT_EQ(kept.view().rank[place], fresh.view().rank[place]);
     }
@@ -213,27 +216,29 @@ TEST(CellList, PlacesOfManySpheresOnAnyThreads) {
       const CellList made(set, reach);
       const CellListView& list = made.view();
       ASSERT_EQ(list.size, spheres.size());
-      std::uint32_t place = 0;
+      std::uint32_t next = 0;  // list place
       int last_octave = -1;
       for (int l = 0; l < list.level_count; ++l) {
         const CellListView::Level& level = list.levels[l];
-        const int octave = level_of(list.spheres[place].radius, smallest);
+        const int octave = level_of(list.spheres[ListPlace{next}].radius, smallest);
         ASSERT_GT(octave, last_octave);
         last_octave = octave;
-        ASSERT_EQ(level.cell_start[0], place);
+        ASSERT_EQ(level.cell_start[0], next);
         for (std::size_t cell = 0; cell < cell_count(level); ++cell) {
-          for (; place < level.cell_start[cell + 1]; ++place) {
+          for (; next < level.cell_start[cell + 1]; ++next) {
+            const ListPlace place{next};
             const SphereId id = list.id[place];
-            ASSERT_EQ(order[list.rank[place]], id);
+            ASSERT_EQ(order[to_index(list.rank[place])], id);
             ASSERT_EQ(list.spheres[place].center, spheres[id].center);
             ASSERT_EQ(list.spheres[place].radius, spheres[id].radius);
             ASSERT_EQ(level_of(spheres[id].radius, smallest), octave);
             ASSERT_EQ(cell_index(level, spheres[id].center), cell);
-            ASSERT_TRUE(place == level.cell_start[cell] || list.rank[place - 1] < list.rank[place]);
+            ASSERT_TRUE(next == level.cell_start[cell] ||
+                        list.rank[ListPlace{next - 1}] < list.rank[place]);
           }
         }
       }
-      ASSERT_EQ(place, list.size);  // so each place was seen, and each rank stands in one
+      ASSERT_EQ(next, list.size);  // so each place was seen, and each rank stands in one
     }
   }
 }
@@ -253,12 +258,32 @@ TEST(CellList, OfManySpheresThatDoNotFitTheFirstInTheOrderIsNamed) {
   }
 }
 
+// What follows must not compile: it takes one number of a sphere for another.
+template <class Index>
+concept NamesListedSphere = requires(const CellListView& list, Index i) {
+  list.spheres[i];
+};
+template <class Index>
+concept NamesSphere = requires(const SphereSet& spheres, Index i) {
+  spheres[i];
+};
+
+TEST(CellList, ANumberOfASphereIsNotTakenForAnother) {
+  EXPECT_TRUE(NamesListedSphere<ListPlace>);
+  EXPECT_FALSE(NamesListedSphere<SphereId>);
+  EXPECT_FALSE(NamesListedSphere<Rank>);
+  EXPECT_TRUE(NamesSphere<SphereId>);
+  EXPECT_FALSE(NamesSphere<ListPlace>);
+  EXPECT_FALSE(NamesSphere<Rank>);
+  EXPECT_FALSE((std::is_convertible_v<ListPlace, Rank> || std::is_convertible_v<Rank, ListPlace>));
+  EXPECT_TRUE(std::is_trivially_copyable_v<CellListView>);  // it is passed to kernels by value
+}
+
 TEST(CellList, NoSpheres) {
   CellList list(SphereSet(random_spheres(10, 5, 1, 2, 1)), std::vector<double>(10, 1));
   list.rebuild(SphereSet(), {});
   EXPECT_EQ(list.view().size, 0u);
-  EXPECT_FALSE(
-      visit_near_box(list.view(), {0, 0, 0}, {1, 1, 1}, [](std::uint32_t) { return true; }));
+  EXPECT_FALSE(visit_near_box(list.view(), {0, 0, 0}, {1, 1, 1}, [](ListPlace) { return true; }));
 }
 
 }  // namespace

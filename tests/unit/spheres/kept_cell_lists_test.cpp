@@ -17,7 +17,7 @@ std::vector<Sphere> row(int count) {
 
 std::vector<std::uint32_t> near_first(const CellListView& list) {
   std::vector<std::uint32_t> near;
-  visit_near_box(list, {0, 0, 0}, {0, 0, 0}, [&](std::uint32_t place) {
+  visit_near_box(list, {0, 0, 0}, {0, 0, 0}, [&](ListPlace place) {
     near.push_back(list.id[place]);
     return false;
   });
@@ -28,13 +28,13 @@ TEST(KeptCellLists, AListIsBuiltOnceForTheSameSpheresAndReaches) {
   const SphereSet spheres(row(50));
   const std::vector<double> near(50, 1.0), far(50, 4.0);
   KeptCellLists kept;
-  const Sphere* const first = kept.get(spheres, near, nullptr).spheres;
-  const Sphere* const second = kept.get(spheres, far, nullptr).spheres;
+  const Sphere* const first = kept.get(spheres, near, nullptr).spheres.data();
+  const Sphere* const second = kept.get(spheres, far, nullptr).spheres.data();
   EXPECT_NE(first, second);
   const SphereSet copy = spheres;
-  EXPECT_EQ(kept.get(copy, near, nullptr).spheres, first);
-  EXPECT_EQ(kept.get(spheres, far, nullptr).spheres, second);
-  EXPECT_EQ(kept.get(spheres, near, nullptr).spheres, first);
+  EXPECT_EQ(kept.get(copy, near, nullptr).spheres.data(), first);
+  EXPECT_EQ(kept.get(spheres, far, nullptr).spheres.data(), second);
+  EXPECT_EQ(kept.get(spheres, near, nullptr).spheres.data(), first);
   EXPECT_EQ(kept.get(spheres, near, nullptr).levels[0].reach,
             make_frame(spheres, near).levels[0].reach);
 }
