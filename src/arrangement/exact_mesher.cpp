@@ -46,25 +46,14 @@ double seconds_since(Clock::time_point begin) {
 // fractions of a ball's radius.
 // - kUsual is tried first. It gives the right topology if no feature is smaller than its sizes.
 // - kFiner is tried next if kUsual gave a mesh, but of another topology, because features became
-//   points. It keeps features that double coordinates can still distinguish: beside a circle of
-//   1e-7 of the radius the spheres are 5e-15 of the radius apart at twice its size.
+//   points. It keeps features that double coordinates can still distinguish: in a circle of radius
+//   c = 1e-7, in units of the balls' radius, each sphere rises c² / 2 = 5e-15 above the circle's
+//   plane, which is some tens of roundings.
 // - kCoarser are tried next instead, in this order, if kUsual gave no mesh, because curves were too
 //   close. They merge curves where they are close.
 constexpr FeatureSizes kUsual{};
 constexpr FeatureSizes kFiner{1e-11, 1e-7};
 constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-5, 1e-4}}};
-
-// A closed triangle mesh has E = 3 F / 2 edges, so its Euler characteristic is V - F / 2.
-SurfaceTopology surface_topology(const IndexedMesh& mesh) {
-  DisjointSets shells(mesh.vertex_count());
-  for (const Triangle& t : mesh.triangles) {
-    shells.join(t[0], t[1]);
-    shells.join(t[0], t[2]);
-  }
-  return {static_cast<std::int64_t>(mesh.vertex_count()) -
-              static_cast<std::int64_t>(mesh.triangle_count() / 2),
-          static_cast<std::int64_t>(shells.count())};
-}
 
 // The exact topology of the boundary, on which each point of contact counts twice, because the mesh
 // has a vertex on either ball there. Two balls that only touch are separate components here.
@@ -282,6 +271,18 @@ class CpuExactMesher final : public ExactMesher {
 };
 
 }  // namespace
+
+// A closed triangle mesh has E = 3 F / 2 edges, so its Euler characteristic is V - F / 2.
+SurfaceTopology surface_topology(const IndexedMesh& mesh) {
+  DisjointSets shells(mesh.vertex_count());
+  for (const Triangle& t : mesh.triangles) {
+    shells.join(t[0], t[1]);
+    shells.join(t[0], t[2]);
+  }
+  return {static_cast<std::int64_t>(mesh.vertex_count()) -
+              static_cast<std::int64_t>(mesh.triangle_count() / 2),
+          static_cast<std::int64_t>(shells.count())};
+}
 
 std::unique_ptr<ExactMesher> make_cpu_exact_mesher() { return std::make_unique<CpuExactMesher>(); }
 

@@ -24,7 +24,7 @@
 
 #include "arrangement/directions.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
-#include "core/disjoint_sets.hpp"
+#include "arrangement/mesher/mesh_team.hpp"
 #include "core/errors.hpp"
 #include "excluded/excluded_shells.hpp"
 #include "excluded/mesher/curve_complex.hpp"
@@ -422,24 +422,15 @@ class ExcludedMesher {
   ExcludedMeshStats stats_;
 };
 
-// Throws if the mesh has another topology than the surface. A closed mesh has E = 3 F / 2 edges, so
-// its Euler characteristic is V - F / 2.
+// Throws if the mesh has another topology than the surface.
 void check_topology(const IndexedMesh& mesh, const ShellTable& exact) {
-  DisjointSets shells(mesh.vertex_count());
-  for (const Triangle& t : mesh.triangles) {
-    shells.join(t[0], t[1]);
-    shells.join(t[0], t[2]);
-  }
-  const std::int64_t euler = static_cast<std::int64_t>(mesh.vertex_count()) -
-                             static_cast<std::int64_t>(mesh.triangle_count() / 2);
-  std::int64_t expected = 0;
-  for (const ExcludedShell& s : exact.shells) expected += s.euler_characteristic;
-  if (euler == expected && shells.count() == exact.shells.size() && exact.unmatched_patches == 0) {
-    return;
-  }
+  SurfaceTopology wanted{0, static_cast<std::int64_t>(exact.shells.size())};
+  for (const ExcludedShell& s : exact.shells) wanted.euler_characteristic += s.euler_characteristic;
+  const SurfaceTopology found = surface_topology(mesh);
+  if (found == wanted && exact.unmatched_patches == 0) return;
   throw LimitExceeded(fmt::format(
-      "the excluded surface has no mesh: χ would be {} in {} shells and should be {} in {}", euler,
-      shells.count(), expected, exact.shells.size()));
+      "the excluded surface has no mesh: χ would be {} in {} shells and should be {} in {}",
+      found.euler_characteristic, found.shells, wanted.euler_characteristic, wanted.shells));
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "core/hilbert.hpp"
-#include "core/host_device.hpp"
 #include "core/vec3.hpp"
 #include "spheres/sphere_set.hpp"
 
@@ -19,14 +18,14 @@ struct SpatialFrame {
   Vec3d lower{};      // the lower corner of the cube, Å
   double extent = 0;  // its side, Å
 
-  // Host and device compute the same key. A coordinate that is not finite counts as 0.
-  VDWMESH_HD std::uint64_t key(const Vec3d& center) const {
+  // A coordinate that is not finite counts as 0.
+  std::uint64_t key(const Vec3d& center) const {
     return hilbert_key(cell(center.x - lower.x), cell(center.y - lower.y),
                        cell(center.z - lower.z));
   }
 
  private:
-  VDWMESH_HD std::uint32_t cell(double from_lower) const {
+  std::uint32_t cell(double from_lower) const {
     constexpr std::uint32_t cells = 1u << kHilbertBits;
     const double part = from_lower / extent;
     return part > 0 ? (part < 1 ? static_cast<std::uint32_t>(part * cells) : cells - 1) : 0;
@@ -35,8 +34,7 @@ struct SpatialFrame {
 
 // Whether a centre comes before another one, given their keys. Equal keys are decided by the
 // coordinates, so only equal centres are not in order.
-VDWMESH_HD inline bool comes_before(std::uint64_t key_a, const Vec3d& a, std::uint64_t key_b,
-                                    const Vec3d& b) {
+inline bool comes_before(std::uint64_t key_a, const Vec3d& a, std::uint64_t key_b, const Vec3d& b) {
   if (key_a != key_b) return key_a < key_b;
   if (a.x != b.x) return a.x < b.x;
   return a.y != b.y ? a.y < b.y : a.z < b.z;

@@ -28,6 +28,7 @@
 #include "arrangement/complex/overlapping_pairs.hpp"
 #include "arrangement/complex/power_predicates.hpp"
 #include "arrangement/complex/regular_cells.hpp"
+#include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
 
@@ -40,8 +41,15 @@ std::size_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t valu
   return static_cast<std::size_t>(std::find(four.begin(), four.end(), value) - four.begin());
 }
 
-// Says that `triangle` has the edge from ball a to ball `upper`, where a < `upper`. The entry
-// stands in row a of rows_. The entries of one edge follow each other there, by ascending triangle.
+// Edges, and the two sides of triangles, have numbers of 32 bits. There may be more of them than
+// cells, whose number is checked when they are made.
+void check_numbers(std::size_t count) {
+  if (count >= kNoIndex) throw LimitExceeded("the dual complex has more than 2^32 simplices");
+}
+
+// Says that `triangle` has the edge from ball a to its upper ball, the one of higher number. The
+// entry stands in row a of rows_. The entries of one edge follow each other there, by ascending
+// triangle.
 struct EdgeEntry {
   std::uint32_t upper, triangle;
   friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
@@ -193,6 +201,7 @@ class Builder {
       const auto v = sorted_vertices(facets[i]).first;
       add(v[0], {v[1], v[2], facets[i]});
     });
+    check_numbers(2 * facets.size());
     out_.triangles.resize(facets.size());
     for_each_index(facets.size(), [&](std::size_t i) {
       out_.triangles[i] = triangle_at(sorted.entries()[i].facet, static_cast<std::uint32_t>(i));
@@ -216,6 +225,8 @@ class Builder {
     DualTriangle triangle{};
     const auto [vertices, odd] = sorted_vertices(facet);
     triangle.vertices = vertices;
+    // Seen from vertex k of c, the vertices of the facet are counter-clockwise in the order of
+    // kFacetVertices, and so they are in ascending order unless that is odd.
     triangle.cells = {odd ? n : c, odd ? c : n};
     for (std::size_t s = 0; s < 2; ++s) {
       triangle.exposed[s] = !out_.cell_in_complex[triangle.cells[s]];
@@ -223,30 +234,34 @@ class Builder {
     return triangle;
   }
 
-  // Numbers and adds all edges, sorted by their vertices: the edges of ball a to upper balls are
-  // those of its row of rows_, and singular ones. The edges of triangles get Contact::strict
-  // without a test, as DualEdge::contact says. That does not make their balls strict (strict_).
+  // Numbers and adds all edges, sorted by their vertices. Edges from ball a to upper balls are
+  // those in row a of rows_, which are in triangles, and singular ones. The edges of triangles get
+  // Contact::strict without a test, as DualEdge::contact says. It tells nothing of strict_, which
+  // is about balls.
   void add_edges(const std::vector<SingularEdge>& singular) {
     SortedRows<UpperBall> alone;  // per ball: its singular edges
     alone.fill(t_.balls.size(), singular.size(), [&](std::size_t i, const auto& add) {
       const auto [lower, upper] = std::minmax(singular[i].a, singular[i].b);
       add(lower, {upper, singular[i].contact});
     });
-    std::vector<std::uint32_t> first(t_.balls.size() + 1, 0);  // by ball: number of its first edge
+    std::vector<std::size_t> first(t_.balls.size() + 1, 0);  // by ball: number of its first edge
     for_each_index(t_.balls.size(), [&](std::size_t a) {
-      std::uint32_t count = static_cast<std::uint32_t>(alone[a].size());
+      std::size_t count = alone[a].size();
       for_each_edge_of(a, [&](std::span<const EdgeEntry>) { ++count; });
       first[a + 1] = count;
     });
     std::partial_sum(first.begin(), first.end(), first.begin());
+    check_numbers(first.back());
     out_.edges.resize(first.back());
     for_each_index(t_.balls.size(), [&](std::size_t a) {
-      std::uint32_t number = first[a];
+      auto number = static_cast<std::uint32_t>(first[a]);
       auto next = alone[a].begin();
       const auto add_alone_before = [&](std::uint32_t upper) {
         for (; next != alone[a].end() && next->ball < upper; ++next) {
-          add_edge(number++,
-                   {{static_cast<std::uint32_t>(a), next->ball}, next->contact, true, true});
+          add_edge(number++, {.vertices = {static_cast<std::uint32_t>(a), next->ball},
+                              .contact = next->contact,
+                              .exposed = true,
+                              .singular = true});
         }
       };
       for_each_edge_of(a, [&](std::span<const EdgeEntry> edge) {
@@ -278,7 +293,10 @@ class Builder {
       triangle.edges[edge_slot(a, entry)] = number;
       exposed = exposed || triangle.exposed[0] || triangle.exposed[1];
     }
-    add_edge(number, {{a, edge[0].upper}, Contact::strict, exposed, false});
+    add_edge(number, {.vertices = {a, edge[0].upper},
+                      .contact = Contact::strict,
+                      .exposed = exposed,
+                      .singular = false});
   }
 
   // Calls visit(entries) for every edge from ball a to an upper ball that a triangle has, by
@@ -411,10 +429,9 @@ class Builder {
     if (doubtful) find_strict_faces();
   }
 
-  // Marks as strict the vertices of triangles and edges that are not attached and have negative
-  // size, but were not tested before because they are faces of a larger simplex of the complex.
-  // This matters for a vertex that is in the complex only through tested simplices of size 0 and
-  // their faces.
+  // Faces of a simplex of the complex were added without a test, so whether they make their
+  // vertices strict is not known yet: those that are not attached and have negative size do. This
+  // matters for a vertex whose larger simplices have size 0.
   void find_strict_faces() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       const auto& v = t_.cells[c];
@@ -443,11 +460,11 @@ class Builder {
     });
   }
 
-  // A ball has an exposed point if it is in the complex and a cell around it is outside. It has
-  // exposed area if both are still so after all balls have shrunk a little, and after all have
-  // grown a little. The cell stays outside either way, because its size is positive or it has an
-  // auxiliary vertex. The ball stays in the complex when balls grow, and if it is strict, also when
-  // they shrink.
+  // Sets exposed[v], which says that ball v has exposed area. The ball has an exposed point if it
+  // is in the complex and a cell around it is outside. It has area if ball and cell remain so when
+  // all balls shrink a little, and also when all grow a little. The cell does remain outside,
+  // because its size is positive or it has an auxiliary vertex. The ball remains in the complex
+  // when balls grow, and if it is strict, also when they shrink.
   void mark_exposed() {
     for_each_cell([&](std::uint32_t c) {
       if (out_.cell_in_complex[c]) return;

@@ -65,7 +65,8 @@ inline std::uint32_t edge_between(const DualTriangle& t, std::uint32_t a, std::u
   return t.edges[2];
 }
 
-// Throws Cancelled (the monitor is asked once in some thousand cells).
+// Throws LimitExceeded if there are 2^32 - 1 edges or 2^31 triangles, or more, and Cancelled (the
+// monitor is asked once in some thousand cells).
 DualComplex dual_complex(const PowerTriangulation& triangulation, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

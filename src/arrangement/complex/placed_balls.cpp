@@ -1,7 +1,7 @@
 // placed_balls(): sorts the spheres along a Hilbert curve and scales them.
 //
-// The spheres are sorted by key, then centre, then radius (larger ones first), then id, so that of
-// concentric spheres the one that stays comes first; the others are removed.
+// The spheres are sorted by key, then centre, then radius, largest first, then id. So the first of
+// the spheres with one centre is the one that PlacedBalls keeps, and the others are removed.
 #include "arrangement/complex/placed_balls.hpp"
 
 #include <tbb/parallel_sort.h>
@@ -42,6 +42,10 @@ std::vector<SphereId> placed_ids(const SphereSet& spheres, const SpatialFrame& f
   return ids;
 }
 
+void check_not_empty(const SphereSet& spheres) {
+  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
+}
+
 // The exponent for which 2^-exponent times the largest radius is in [1/2, 1).
 int scale_exponent(const SphereSet& spheres) {
   double largest = 0;
@@ -77,7 +81,7 @@ Extent extent_of(const std::vector<Sphere>& balls) {
 }
 
 BallFrame ball_frame(const SphereSet& spheres) {
-  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
+  check_not_empty(spheres);
   return {spatial_frame(spheres), scale_exponent(spheres)};
 }
 
@@ -86,7 +90,7 @@ PlacedBalls placed_balls(const SphereSet& spheres) {
 }
 
 PlacedBalls placed_balls(const SphereSet& spheres, const BallFrame& frame) {
-  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
+  check_not_empty(spheres);
   PlacedBalls out;
   out.ids = placed_ids(spheres, frame.order);
   out.scale_exponent = frame.scale_exponent;

@@ -30,7 +30,8 @@ struct PowerTriangulation : PlacedBalls {
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
     {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
-// The six pairs of vertices of a cell, which is a tetrahedron.
+// The six pairs of vertices of a cell, which is a tetrahedron. Pair 5 - p has the two vertices that
+// pair p lacks.
 inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 

@@ -15,6 +15,7 @@
 #include <numbers>
 
 #include "arrangement/complex/number_vector.hpp"
+#include "arrangement/complex/power_triangulation.hpp"
 #include "arrangement/complex/wide_points.hpp"
 
 namespace vdwmesh {
@@ -172,10 +173,6 @@ struct TetrahedronTerms {
     determinant = -dot(edge[0], normal[1]);
   }
 };
-
-// Pairs of vertices; pair 5 - p has the two vertices that pair p lacks.
-constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 // The dihedral angle at an edge from the outward normals m and n of its facets, with |m × n| =
 // determinant * |edge|: cosine ∝ -m·n, sine ∝ determinant * |edge|.

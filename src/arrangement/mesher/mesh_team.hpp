@@ -34,7 +34,10 @@ struct UnnumberedPiece {
 // without triangles counts as a piece.
 struct SurfaceTopology {
   std::int64_t euler_characteristic, shells;
+  bool operator==(const SurfaceTopology&) const = default;
 };
+// Of a closed mesh.
+SurfaceTopology surface_topology(const IndexedMesh& mesh);
 
 class MeshTeam {
  public:

@@ -21,6 +21,7 @@
 
 #include "arrangement/directions.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/inside_marks.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_work.hpp"
 #include "arrangement/mesher/piece_lens.hpp"
@@ -125,22 +126,10 @@ class PatchTriangulator {
   // from there without crossing a piece. Returns whether the marks are right. They are not, and
   // splits are asked for, if the marks have leaked out of the patch.
   VDWMESH_HD bool mark_inside() {
-    Array<std::uint32_t>& stack = numbers_;
-    stack.clear();
-    const auto visit = [&](std::uint32_t t) {
-      if (plane_.is_inside(t)) return;
-      plane_.mark_inside(t);
-      stack.push_back(t);
-    };
+    numbers_.clear();
     list_pieces();
-    visit_pieces([&](std::uint32_t t, std::uint32_t) { visit(t); });
-    while (!stack.empty()) {
-      const LinkedTriangle& w = plane_.triangle(stack.back());
-      stack.pop_back();
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        if (w.pieces[k] == kNoPiece && w.neighbors[k] != kNoNeighbor) visit(w.neighbors[k]);
-      }
-    }
+    visit_pieces([&](std::uint32_t t, std::uint32_t) { mark_and_list(plane_, t, numbers_); });
+    mark_reachable(plane_, numbers_);
     split_leaks();
     return splits_.empty();
   }
@@ -195,15 +184,6 @@ class PatchTriangulator {
   // The length of a piece on the unit sphere.
   VDWMESH_HD double chord(std::uint32_t p) const {
     return norm(points_[boundary_.pieces[p].to] - points_[boundary_.pieces[p].from]);
-  }
-
-  // Calls visit(t) for every triangle inside the patch. Those that visit() adds are not visited.
-  template <class Visit>
-  VDWMESH_HD void visit_inside(const Visit& visit) {
-    const auto count = static_cast<std::uint32_t>(plane_.triangles().size());
-    for (std::uint32_t t = 0; t < count; ++t) {
-      if (plane_.is_inside(t)) visit(t);
-    }
   }
 
   // Step (2): asks for splits of pieces that are long compared with the width of the patch there.
@@ -314,7 +294,7 @@ class PatchTriangulator {
   // stay bad.
   VDWMESH_HD void refine() {
     work_.queue.clear();
-    visit_inside([&](std::uint32_t t) { queue_if_bad(t); });
+    visit_marked(plane_, [&](std::uint32_t t) { queue_if_bad(t); });
     const std::size_t most = 20 * (points_.size() + 50);
     for (std::size_t i = 0; i < work_.queue.size() && points_.size() < most; ++i) {
       if (plane_.has_failed()) return;
@@ -352,7 +332,7 @@ class PatchTriangulator {
   VDWMESH_HD void find_edges_within_circles() {
     Array<InnerEdge>& found = work_.inner_edges;
     found.clear();
-    visit_inside([&](std::uint32_t t) {
+    visit_marked(plane_, [&](std::uint32_t t) {
       const LinkedTriangle& w = plane_.triangle(t);
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t a = w.vertices[corner_after(k)], b = w.vertices[corner_before(k)];
@@ -420,7 +400,7 @@ class PatchTriangulator {
   VDWMESH_HD void collect_triangles() {
     numbers_.assign(plane_.triangles().size(), std::uint32_t{kNoNeighbor});
     patch_.triangles.clear();
-    visit_inside([&](std::uint32_t t) {
+    visit_marked(plane_, [&](std::uint32_t t) {
       numbers_[t] = static_cast<std::uint32_t>(patch_.triangles.size());
       patch_.triangles.push_back(plane_.triangle(t));
     });

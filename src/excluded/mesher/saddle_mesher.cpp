@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/inside_marks.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 
 namespace vdwmesh::excluded {
@@ -171,36 +172,17 @@ class SaddleTriangulator {
 
   void mark_inside() {
     std::vector<std::uint32_t> stack;
-    const auto visit = [&](std::uint32_t t) {
-      if (plane_.is_inside(t)) return;
-      plane_.mark_inside(t);
-      stack.push_back(t);
-    };
     for (std::uint32_t t = 0; t < plane_.triangles().size(); ++t) {
       for (std::uint32_t k = 0; k < 3; ++k) {
-        if (is_left_of_piece(t, k)) visit(t);
+        if (is_left_of_piece(t, k)) mark_and_list(plane_, t, stack);
       }
     }
-    while (!stack.empty()) {
-      const LinkedTriangle& w = plane_.triangle(stack.back());
-      stack.pop_back();
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        if (w.pieces[k] == kNoPiece && w.neighbors[k] != kNoNeighbor) visit(w.neighbors[k]);
-      }
-    }
-  }
-
-  template <class Visit>
-  void visit_inside(const Visit& visit) {
-    const auto count = static_cast<std::uint32_t>(plane_.triangles().size());
-    for (std::uint32_t t = 0; t < count; ++t) {
-      if (plane_.is_inside(t)) visit(t);
-    }
+    mark_reachable(plane_, stack);
   }
 
   void find_long_pieces() {
     if (options_.demand == Demand::validity) return;
-    visit_inside([&](std::uint32_t t) {
+    visit_marked(plane_, [&](std::uint32_t t) {
       for (std::uint32_t k = 0; k < 3; ++k) {
         if (plane_.triangle(t).pieces[k] != kNoPiece) judge_piece(plane_.triangle(t), k);
       }
@@ -328,7 +310,7 @@ class SaddleTriangulator {
     const auto queue_if_bad = [&](std::uint32_t t) {
       if (is_bad_triangle(t)) queue.push_back({t, plane_.triangle(t).vertices});
     };
-    visit_inside(queue_if_bad);
+    visit_marked(plane_, queue_if_bad);
     const std::size_t most = 20 * (points_.size() + 50);
     for (std::size_t i = 0; i < queue.size() && points_.size() < most; ++i) {
       check_cancelled(options_.monitor, i);
@@ -378,7 +360,7 @@ class SaddleTriangulator {
   // If a triangle faces inwards at one of its vertices, asks to split the pieces among its edges,
   // or all pieces if there are none.
   void find_defects() {
-    visit_inside([&](std::uint32_t t) {
+    visit_marked(plane_, [&](std::uint32_t t) {
       const LinkedTriangle& w = plane_.triangle(t);
       const Vec3d normal = cross(position(w, 1) - position(w, 0), position(w, 2) - position(w, 0));
       const bool sound = std::all_of(w.vertices.begin(), w.vertices.end(), [&](std::uint32_t v) {
@@ -401,7 +383,8 @@ class SaddleTriangulator {
       out.interior.push_back(points_[i].position);
       out.normals.push_back(chart_.normal(points_[i].torus));
     }
-    visit_inside([&](std::uint32_t t) { out.triangles.push_back(plane_.triangle(t).vertices); });
+    visit_marked(plane_,
+                 [&](std::uint32_t t) { out.triangles.push_back(plane_.triangle(t).vertices); });
     return out;
   }
 

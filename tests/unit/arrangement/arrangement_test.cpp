@@ -7,6 +7,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numbers>
 #include <vector>
@@ -150,16 +151,48 @@ TEST(Arrangement, OfAllSharedSets) {
   EXPECT_GT(sets, 20);
 }
 
+// Where units in the last place of coordinates are up to a quarter of a radius, balls that touch
+// balls in doubt are found as they are near the origin: the rows fit together, so that not all is
+// triangulated.
+TEST(Arrangement, OfBallsFarFromTheOrigin) {
+  Dice dice(10);
+  for (const int exponent : {0, 34, 40, 50}) {
+    SCOPED_TRACE(exponent);
+    std::vector<Sphere> balls{{{-9, 0, 0}, 1.25},       {{-7, 0, 0}, 0.75},
+                              {{-6.5, 0, 0}, 1.25},     {{0.75, 1.25, 3}, 1.3},
+                              {{0.75, -1.5, 0.5}, 1.1}, {{-8, 1, 0.25}, 0.9}};
+    for (int i = 0; i < 27; ++i) {
+      balls.push_back({{1.0 * (i % 3), 1.0 * (i / 3 % 3), 1.0 * (i / 9)}, std::sqrt(0.5)});
+    }
+    balls = beside_a_heap(std::move(balls), dice);
+    const double far = std::ldexp(1.0, exponent);
+    for (Sphere& s : balls) s.center = s.center + Vec3d{far, -far, far};
+    EXPECT_GT(expect_as_in_complex(balls), 0u);
+    EXPECT_FALSE(arrange(SphereSet(balls)).whole.has_value());
+  }
+}
+
+// So many balls are in doubt that they are triangulated in more blocks on more cores.
 TEST(Arrangement, DoesNotDependOnTheNumberOfThreads) {
   Dice dice(8);
-  const SphereSet spheres(beside_a_heap(lattice(dice), dice));
-  const Arrangement free = arrange(spheres);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const Arrangement alone = arrange(spheres);
-  EXPECT_TRUE(std::ranges::equal(free.boundary.arcs, alone.boundary.arcs));
-  EXPECT_TRUE(std::ranges::equal(free.boundary.corners, alone.boundary.corners));
-  EXPECT_EQ(free.boundary.areas, alone.boundary.areas);
-  EXPECT_EQ(free.is_doubtful, alone.is_doubtful);
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 10 * 10 * 10; ++i) {
+    balls.push_back({{1.0 * (i % 10), 1.0 * (i / 10 % 10), 1.0 * (i / 100)}, std::sqrt(0.5)});
+  }
+  for (const std::vector<Sphere>& set : {balls, beside_a_heap(balls, dice)}) {
+    const SphereSet spheres(set);
+    std::vector<Arrangement> found;
+    for (const std::size_t threads : {1u, 3u}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      found.push_back(arrange(spheres));
+      const ExposedBoundary &alone = found[0].boundary, &together = found.back().boundary;
+      EXPECT_TRUE(std::ranges::equal(together.arcs, alone.arcs));
+      EXPECT_TRUE(std::ranges::equal(together.corners, alone.corners));
+      EXPECT_EQ(together.areas, alone.areas);
+      EXPECT_EQ(found.back().is_doubtful, found[0].is_doubtful);
+    }
+    EXPECT_GE(std::ranges::count(found[0].is_doubtful, 1), 1000);
+  }
 }
 
 // The numbers of balls that stay do not depend on balls that are left out, as long as the box
