@@ -1,7 +1,7 @@
-// The steps of the verbs, on the libraries: each does one thing, measures how long it took, and
-// writes what it found into the report of the session. What only explains figures, such as a
-// fallback to the CPU or a check that was left out, becomes a note; what may be wrong becomes a
-// warning.
+// The steps of the verbs (mesh, report and so on), on the libraries: each does one thing, measures
+// how long it took, and writes what it found into the report of the session. What only explains
+// figures, such as a fallback to the CPU or a check that was left out, becomes a note; what may be
+// wrong becomes a warning.
 #include "steps.hpp"
 
 #include <fmt/format.h>
@@ -36,8 +36,9 @@ int cpu_threads() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-// Returns how many devices make the mesh, 0 if the CPU makes it. Notes in the report if these are
-// fewer than were asked for. Only an extraction is shared among several devices.
+// Returns how many devices make the mesh, 0 if the CPU makes it. Refuses if more are asked for than
+// there are. Notes in the report if the CPU makes the mesh although several were asked for, or if
+// one makes it, because only an extraction is shared.
 int devices_for(const SurfaceOptions& surface, Session& session) {
   const MachineOptions& machine = session.machine;
   Report& report = session.report;
@@ -216,7 +217,7 @@ Molecule load_molecule(const InputOptions& options, Session& session) {
 Structure load(const InputOptions& options, Session& session) {
   Molecule molecule = load_molecule(options, session);
   SphereSet spheres = to_spheres(molecule, options.probe);
-  session.end_stage(&Timing::read);
+  session.end_stage(&Timing::read);  // adds to the time of load_molecule()
   return {std::move(molecule), std::move(spheres)};
 }
 
@@ -255,7 +256,9 @@ LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<Leve
 
 void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mesh) {
   mesh.levels = std::move(levels);
-  if (!mesh.levels.empty()) mesh.levels.push_back({mesh, last, mesh.self_intersections});
+  if (mesh.levels.empty()) return;  // no levels were recorded
+  const MeshExamination& examined = mesh;
+  mesh.levels.push_back({examined, last, mesh.self_intersections});
 }
 
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles) {

@@ -10,8 +10,10 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 
-// Calls add(lane of the triangle, its area) in all lanes of the warp, for the triangles of a block
-// in their order, and after every 32 of them done(first), `first` being the first of these.
+// Takes the triangles of a block in their order, 32 at a time, of which each lane has one. For each
+// 32 of them, all lanes call add(i, the area of the triangle of lane i) for i = 0 .. 31, with an
+// area of 0 for lanes beyond the end. Then each lane that has a triangle calls done(first), where
+// `first` is the triangle of lane 0.
 template <class Add, class Done>
 __device__ void for_each_area(const SoupView& mesh, std::uint64_t block, const Add& add,
                               const Done& done) {
@@ -27,7 +29,7 @@ __device__ void for_each_area(const SoupView& mesh, std::uint64_t block, const A
   }
 }
 
-// A warp for each block of triangles. Lanes beyond the end add areas of 0, which change nothing.
+// A warp for each block of triangles.
 __global__ void sum_areas(SoupView mesh, std::uint32_t blocks, double* sums) {
   const std::uint64_t block = thread_index() / kWarp;
   if (block >= blocks) return;
@@ -37,7 +39,9 @@ __global__ void sum_areas(SoupView mesh, std::uint32_t blocks, double* sums) {
   if (threadIdx.x % kWarp == 0) sums[block] = sum;
 }
 
-// A warp for each block of triangles.
+// Writes for each triangle the sum of the areas up to its end. No sum exceeds the start of the next
+// block, so that they do not fall from block to block: the starts are rounded in another way. A
+// warp for each block of triangles.
 __global__ void find_ends(SoupView mesh, std::uint32_t blocks, const double* starts, double* ends) {
   const std::uint64_t block = thread_index() / kWarp;
   if (block >= blocks) return;

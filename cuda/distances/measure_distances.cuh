@@ -1,5 +1,5 @@
 // Distances between a mesh and an exposed surface in device memory: the kernels of the two
-// directions, chunk by chunk.
+// directions, in launches of kDistancesPerLaunch.
 #pragma once
 
 #include <span>
@@ -26,7 +26,8 @@ DistanceStatistics surface_to_mesh(const DevicePatches& patches, const SearchedM
                                    double density, const DistanceOptions& options,
                                    const Stream& stream);
 
-// Writes the signed distance of each point to `found`, Å.
+// Writes the signed distance of each point to `found`, Å. Both are in memory of the host, and are
+// copied for one launch after another, of kDistancesPerLaunch points.
 void points_to_surface(std::span<const Vec3d> points, const PatchTreeView& surface, double* found,
                        Monitor* monitor, const Stream& stream);
 

@@ -12,8 +12,8 @@
 // At the end the four lanes combine their results.
 //
 // Of a stack of fields (fields.cuh) all surfaces are searched at once. The grids of a stack stand
-// on each other along z. A block's key has its index in the stack. That index, less the layers
-// below the block's field, is its index in the field's own grid, which says where the block lies.
+// on each other along z, and a block's key has its index in the stack. To find where it lies, the
+// layers of the fields below its own are subtracted, which gives its index in its field's grid.
 //
 // A test may keep a block without surface, but it drops none that has some: all bounds are widened
 // by more than the rounding errors of float32. For blended fields FieldBounds does this (its
@@ -49,7 +49,7 @@ __device__ unsigned own_part() { return threadIdx.x % kWarp / kChildren; }
 // float32 suffices.
 struct NearSphere {
   float from[3];  // from the sphere's centre to the middle of the parent, Å
-  float number;   // Test::number(): the radius (Å) for the union, the scale (1/Å²) for a field
+  float size;     // Test::size_of(): the radius (Å) for the union, the scale (1/Å²) for a field
   Vec3d center;   // Å; plane_in_subgrid() needs it in double, for the thesis presets
 };
 
@@ -95,9 +95,9 @@ __device__ unsigned vote_by_child(bool says) {
 // What vote_by_child() returns if every child has a lane with a true vote.
 constexpr unsigned kAllChildren = (1u << kChildren) - 1;
 
-// The test of a child for a blended field. Each lane adds its part of the atoms to the sums of
-// `bounds`: sums of bounds on one atom each (least, most), of tangents and chords with their
-// slopes, and the number of atoms, all explained at FieldBounds in block_bounds.hpp. join() adds
+// The test of a child for a blended field. Each lane adds its part of the atoms to `bounds`, which
+// has their number and sums over them: of the least and the most that each contributes, and of
+// linear bounds on it, tangents and chords, as FieldBounds explains (block_bounds.hpp). join() adds
 // the sums of the child's four lanes. After that, bounds.lower() and bounds.upper() bound the field
 // in the child's box.
 template <BlendedKind Kind>
@@ -109,12 +109,12 @@ struct BlendedTest {
 
   __device__ explicit BlendedTest(const FieldContext& f)
       : shape(f.shape), isovalue(static_cast<float>(f.model.isovalue)) {}
-  __device__ static float number(const FieldModel& m, const Sphere& s) {
+  __device__ static float size_of(const FieldModel& m, const Sphere& s) {
     return static_cast<float>(inverse_square_scale(m, s.radius));
   }
   __device__ void add(const FieldModel& m, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
-    bounds.add<Kind>(shape, s.number, to_middle, child.half,
+    bounds.add<Kind>(shape, s.size, to_middle, child.half,
                      subgrid_overlap(m, child.nodes, s.center));
   }
   // The early exit of field_may_cross() in block_bounds.hpp, for the whole warp. True if every
@@ -176,17 +176,17 @@ struct UnionTest {
       largest = fmaxf(largest, __double2float_ru(f.list.levels[l].reach));
     }
   }
-  __device__ static float number(const FieldModel&, const Sphere& s) {
+  __device__ static float size_of(const FieldModel&, const Sphere& s) {
     return static_cast<float>(s.radius);
   }
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
-    // near, far: the squared distances (Å²) of the nearest and of the farthest point of the box
-    // from the centre of the ball. extent (Å): the sum over the axes of `end` and |from_parent|. It
-    // is at least each coordinate that is rounded on the way: `end`, to_middle (at most `end`),
-    // from_parent, and NearSphere::from, the difference of to_middle and from_parent.
+    // Squared distances (Å²) of the nearest and of the farthest point of the box from the centre of
+    // the ball, and an upper bound (Å) of the coordinates that are rounded on the way: of `end`,
+    // to_middle, from_parent, and NearSphere::from, which is to_middle less from_parent.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
+      // Distances from the centre along the axis: of the box's middle, and of its far end.
       const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
       const float gap = fmaxf(away - child.half[axis], 0.0f);
       near = fmaf(gap, gap, near);
@@ -199,8 +199,8 @@ struct UnionTest {
     // `end`, `gap`, squares and sums add a few roundings more. Each of them costs at most one unit.
     // from_parent counts in `extent` because the border of the grid may cut the child to a slice
     // whose middle is much farther from the parent's than the slice is thick.
-    const float error_bound = 2e-6f * extent, outer = s.number + error_bound;
-    const float inner = fmaxf(s.number - error_bound, 0.0f);
+    const float error_bound = 2e-6f * extent, outer = s.size + error_bound;
+    const float inner = fmaxf(s.size - error_bound, 0.0f);
     touched |= near <= outer * outer;
     covered |= far <= inner * inner;
   }
@@ -239,7 +239,7 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
       const Vec3d from = parent_middle - s.center;
       waiting.sphere[lane] = {
           {static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
-          Test::number(f.model, s),
+          Test::size_of(f.model, s),
           s.center};
     }
     // The batch must be complete before any lane reads it, and be read before it is overwritten.
@@ -329,12 +329,12 @@ void test_all_children(const Fields& fields, const KeyList& parents, int child_l
 }
 
 // Throws LimitExceeded if the kept blocks are more than `most`, the number of bricks that fit in
-// the memory allowed. On levels above 0 this limits the memory of the descent. The message has the
-// number of kept blocks of this level; each may have several bricks with surface, or none.
+// the memory allowed. A kept block of a level above 0 may have several bricks with surface, or
+// none.
 void check_kept(std::uint64_t count, std::uint64_t most) {
   if (count <= most) return;
-  throw LimitExceeded("the surface crosses more than " + std::to_string(count) +
-                      " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
+  throw LimitExceeded("the search for the surface keeps " + std::to_string(count) +
+                      " blocks of bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
                       " fit in the memory allowed: choose a larger spacing");
 }
 
@@ -382,8 +382,8 @@ KeyList marked_children(const Fields& fields, const KeyList& parents, const KeyR
   const DeviceArray<std::uint8_t> marks = zeros<std::uint8_t>(total, stream.get());
   result.marks = marks.data();
   test_all_children(fields, parents, 0, range, result, stream);
-  return keys_of_marks(marks.data(), result.bricks, std::min(total, kChildren * parents.count),
-                       stream);
+  const std::uint64_t most_marked = std::min(total, kChildren * parents.count);
+  return keys_of_marks(marks.data(), result.bricks, most_marked, stream);
 }
 
 // The same by sorting.

@@ -24,10 +24,10 @@ struct KeyOfBrick {
 }  // namespace
 
 KeyList keys_of_marks(const std::uint8_t* marks, const std::int32_t (&bricks)[3],
-                      std::uint64_t most, const Stream& stream) {
+                      std::uint64_t most_marked, const Stream& stream) {
   const std::int64_t total = static_cast<std::int64_t>(bricks[0]) * bricks[1] * bricks[2];
   KeyList result;
-  result.keys = DeviceArray<std::uint64_t>(most, stream.get());
+  result.keys = DeviceArray<std::uint64_t>(most_marked, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
   const auto keys = thrust::make_transform_iterator(thrust::make_counting_iterator(std::int64_t{0}),
                                                     KeyOfBrick{bricks[0], bricks[1]});

@@ -13,8 +13,9 @@ VDWMESH_HD inline std::int64_t brick_number(const std::int32_t (&bricks)[3],
   return (static_cast<std::int64_t>(brick.z) * bricks[1] + brick.y) * bricks[0] + brick.x;
 }
 
-// Keys, rising, of the bricks whose mark is not 0. At most `most` are marked.
+// Keys, rising, of the bricks whose mark is not 0. Precondition: at most `most_marked` are, for
+// which there is room.
 KeyList keys_of_marks(const std::uint8_t* marks, const std::int32_t (&bricks)[3],
-                      std::uint64_t most, const Stream& stream);
+                      std::uint64_t most_marked, const Stream& stream);
 
 }  // namespace vdwmesh

@@ -14,8 +14,11 @@ namespace vdwmesh::mesher {
 // How many threads of a warp mesh a patch each; the others do nothing. Patches go their own ways,
 // so the threads of a warp wait for each other most of the time, and few patches are best spread
 // over many warps; but with many patches, more of them for each warp give a multiprocessor more to
-// turn to while others wait for memory. Measured on an H200 (patches_bench): of 4,556 patches, 1
-// for a warp is best (23 ms, and 46 with 8), of 65,536 8 to 16 are (156 ms, and 302 with 1).
+// turn to while others wait for memory. Measured on an H200 (patches_bench):
+//
+//   patches   best for a warp   with the best   otherwise
+//     4,556                 1           23 ms   46 ms with 8
+//    65,536           8 to 16          156 ms   302 ms with 1
 constexpr unsigned patches_per_warp(std::uint32_t patches) {
   return patches < 8192 ? 1 : (patches < 16384 ? 2 : (patches < 32768 ? 4 : 8));
 }
@@ -46,13 +49,15 @@ struct PlacedPatch {
   const PointSource* sources;        // of the points of its boundary
   std::uint64_t vertex, triangle;    // where it begins in the part
   std::uint32_t first_vertex;        // of its interior points, in the whole mesh
-  std::uint32_t points;              // on its boundary
-  std::uint32_t interiors, corners;  // how many points inside, and three for each triangle
+  std::uint32_t points;              // how many there are on its boundary
+  std::uint32_t interiors, corners;  // how many interior points and corners of triangles it has
   SphereId id;
 };
 
 // Writes patches into part of a mesh: interior points with normals and labels, and triangles, whose
-// corners become vertices of the whole mesh. `first_vertices` and `unit` are those of PatchPlaces.
+// corners become vertices of the whole mesh. `first_vertices` has for each arc the number of its
+// first point between its ends, and `unit` is Å for each unit of the spheres' lengths
+// (PatchPlaces).
 void place_patches(const PlacedPatch* patches, std::uint32_t count,
                    const std::uint32_t* first_vertices, double unit, const DeviceMeshView& part,
                    const Stream& stream);

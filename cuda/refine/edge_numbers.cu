@@ -18,9 +18,9 @@ std::uint64_t words_for(std::uint64_t half_edges) {
 }
 
 // Sets bit k of a word's `first` if half-edge k of the word is the lower one of its edge: if its
-// opposite has a number that is not lower. One thread per four half-edges, whose opposites it loads
-// as one 16-byte word; eight neighbouring lanes combine their four bits each into a word of 32 by
-// shuffles.
+// opposite has a higher number. (>= asks the same, because no half-edge is its own opposite.) One
+// thread per four half-edges, whose opposites it loads as one 16-byte word; eight neighbouring
+// lanes combine their four bits each into a word of 32 by shuffles.
 __global__ void mark_first_half_edges(const std::uint32_t* opposite, std::uint64_t half_edges,
                                       EdgeWord* words) {
   const std::uint64_t h = 4 * thread_index();

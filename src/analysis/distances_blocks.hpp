@@ -15,7 +15,8 @@ namespace vdwmesh {
 // Sums for each block, which are joined in the order of the blocks, and a histogram for each
 // thread, whose integer counts can be added in any order. The result is therefore the same bit for
 // bit for any number of threads. largest() is the largest distance that a thread has told of by
-// raise(), at most that of all blocks.
+// raise(), at most that of all blocks. The maximum of a single block may be that of another block;
+// only the maximum of all blocks is a result.
 class BlockStatistics {
  public:
   explicit BlockStatistics(std::size_t blocks) : blocks_(blocks) {}
@@ -29,8 +30,9 @@ class BlockStatistics {
            !largest_.compare_exchange_weak(old, distance, std::memory_order_relaxed)) {
     }
   }
-  // Adds points to the maximum alone; largest_of(least) returns the larger of `least` and their
-  // largest distance.
+  // Adds points to the maximum alone. largest_of(least) returns the larger of `least` and their
+  // largest distance, so it need not measure points that are surely nearer than `least`. What is
+  // the largest so far depends on the other threads, and so does the block's maximum.
   template <class LargestOf>
   void add_extremes(std::size_t block, std::size_t count, const LargestOf& largest_of) {
     const double found = largest_of(largest());

@@ -69,7 +69,7 @@ class Ranks {
     share_bytes(std::as_writable_bytes(std::span(array)));
   }
 
-  // The same for one value, which is not an array.
+  // Returns the value that the first rank passes. Collective.
   template <class T>
   T shared(T value) const {
     static_assert(std::is_trivially_copyable_v<T>);

@@ -1,15 +1,23 @@
 // The circles of caps on the unit sphere, and the arcs of them that no cap covers, in any number
 // type. For the library's own use.
 //
-// A circle i has the axis n_i and the cosine h_i: n_i · w = h_i. With d = n_j - n_i, q = |d|² / 2,
-// m = d + q n_i at right angles to n_i, c = n_i × n_j and t = h_j - n_i · n_j h_i = h_j - h_i + q
-// h_i, two circles cross in w = h_i n_i + (t m ± g c) / |c|², g² = (1 - h_i²) |c|² - t².
-// Differences keep the digits of circles that are nearly the same. Seen from circle i, cap j covers
-// the interval that runs counter-clockwise about n_i from the point with -g to that with +g.
+// A circle i has the axis n_i and the cosine h_i: n_i · w = h_i. With
 //
-// Every decision has a margin: how far, to first order, circles have to move on the sphere to turn
-// it around. If they move by η, t and |c| change by η each, g² by 2 η (|t| + |c|), and the place of
-// w about n_i by 2 η / g.
+//   d = n_j - n_i      q = |d|² / 2
+//   m = d + q n_i      in the plane of both axes, at right angles to n_i
+//   c = n_i × n_j      at right angles to both axes
+//   t = h_j - (n_i · n_j) h_i = h_j - h_i + q h_i
+//   g² = (1 - h_i²) |c|² - t²
+//
+// two circles cross in the points w = h_i n_i + (t m ± g c) / |c|²: the middle of their common
+// chord is h_i n_i + t m / |c|², and half of the chord is g c / |c|². The differences d and h_j -
+// h_i keep the digits of circles that are nearly the same. Seen from circle i, cap j covers the
+// interval that runs counter-clockwise about n_i from the point with -g to that with +g.
+//
+// Every decision has a margin: how far, to first order, circles have to move on the sphere to
+// reverse it. If they move by η, t and |c| change by up to η each. Since g² is a difference of
+// squares of at most |c| and |t|, it changes by up to 2 η (|t| + |c|), and the place of w about n_i
+// by up to 2 η / g.
 #pragma once
 
 #include <algorithm>
@@ -49,11 +57,12 @@ struct CapCircle {
   T cosine;
 };
 
-// The radius of the circle; a cosine that rounding made larger than 1 has none.
+// The radius of the circle: sqrt(1 - x²), or 0 if rounding made x larger than 1. So it also makes a
+// cosine, but for its sign, of a sine.
 template <class T>
-VDWMESH_HD T circle_radius(const T& cosine) {
+VDWMESH_HD T circle_radius(const T& x) {
   using std::sqrt;
-  const T square = (T(1) - cosine) * (T(1) + cosine);
+  const T square = (T(1) - x) * (T(1) + x);
   return square > T(0) ? T(sqrt(square)) : T(0);
 }
 
@@ -82,8 +91,10 @@ VDWMESH_HD Vector<T> point_beyond(const CapCircle<T>& circle, const Vector<T>& s
   return combination(circle.cosine, circle.axis, T(1), turned);
 }
 
-// A point of a circle: where it is about the axis. `turn` rises from 0 to 4 in a whole turn, and
-// changes by `slide` times as much as circles move.
+// A point of a circle: where it is about the axis. x and y are its coordinates along the circle's
+// `first` and `second`. `turn` stands for its angle and takes no trigonometry: it is the way to the
+// point along the square |x| + |y| = 1, in sides of the square, and rises from 0 to 4 in a whole
+// turn. It changes by `slide` for each radian by which circles move.
 template <class T>
 struct CirclePlace {
   T x, y, turn;
@@ -122,6 +133,7 @@ template <class T>
 VDWMESH_HD Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
                                 Covered<T>& part, double& margin) {
   using std::sqrt;
+  // In the letters of the head, with c as circle i: d, c, q, |c|², t and g².
   const Vector<T> apart = combination(T(1), j.axis, T(-1), c.axis), side = cross(c.axis, apart);
   const T q = dot(apart, apart) / T(2), squared_sine = dot(side, side);
   const T toward = (j.cosine - c.cosine) + q * c.cosine;
@@ -129,17 +141,18 @@ VDWMESH_HD Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, st
   const double change = 2 * (std::abs(to_double(toward)) + to_double(T(sqrt(squared_sine))));
   margin = std::min(margin, change > 0 ? std::abs(to_double(gram)) / change : 0);
   if (!(gram > T(0))) return toward < T(0) ? Overlap::whole : Overlap::none;
-  const T root = sqrt(gram), scale = T(1) / squared_sine, g = root * scale;
+  const T root = sqrt(gram), scale = T(1) / squared_sine, half_chord = root * scale;
   const double slide = 2 / to_double(root);
   const Vector<T> across = combination(T(1), apart, q, c.axis);
   const Vector<T> middle = combination(c.cosine, c.axis, T(toward * scale), across);
-  part = {place_on(c, combination(T(1), middle, T(-g), side), slide),
-          place_on(c, combination(T(1), middle, g, side), slide), by};
+  part = {place_on(c, combination(T(1), middle, T(-half_chord), side), slide),
+          place_on(c, combination(T(1), middle, half_chord, side), slide), by};
   return Overlap::crossing;
 }
 
 // The angle from `from` counter-clockwise to `to`. `turns` is roughly this angle, in fourths of a
-// turn.
+// turn. Near 0, rounding may give the angle the wrong sign. There `turns` tells nearly nothing from
+// nearly a whole turn.
 template <class T>
 VDWMESH_HD double angle_between(const CirclePlace<T>& from, const CirclePlace<T>& to,
                                 const T& turns) {

@@ -95,7 +95,7 @@ bool is_decided(const Searched& s, const Vec3d& point, const LeastGap& least) {
   if (!(length > 0) && patch.cover_count > 0) return false;
   const double radius = patch.ball.radius;
   const Vec3d to_foot = length > 0 ? (radius / length) * from_center : Vec3d{radius, 0, 0};
-  return s.surface.includes_place(s.sphere_of[patch.place], patch.ball.center + to_foot);
+  return s.surface.includes_point(s.sphere_of[patch.place], patch.ball.center + to_foot);
 }
 
 // The distance to the nearest crease or cusp, Å, if that is below `bound` (Å); otherwise the bound.

@@ -1,9 +1,10 @@
 // JudgedSurface: makes the concave patches that other probes cut, on all cores, and lists the arcs
 // of their creases and the cusps of spindles.
 //
-// Of a ball whose exposed pieces belong to different components, a point is in the piece to which
-// the nearest of all arcs around them belongs: the shortest way on the sphere to that arc leaves
-// the piece nowhere. Chords from one point of a sphere to others are ordered as these ways are.
+// The exposed pieces of one ball may belong to different components. Which piece has a given point
+// follows from the arcs around all of them: the point is in the piece that the nearest arc borders,
+// because the shortest way to it on the sphere crosses no arc. Arcs are compared by chords, whose
+// lengths rise with those of the ways.
 #include "excluded/judged_surface.hpp"
 
 #include <algorithm>
@@ -34,7 +35,7 @@ CircleArc::CircleArc(const Vec3d& center, const Vec3d& axis, const Vec3d& start,
   middle_ = std::cos(half) * start + std::sin(half) * cross(axis, start);
   first_ = at(0);
   last_ = at(sweep);
-  // All directions belong to a whole circle, and to a point.
+  // With -2, faces() holds for every direction: on a whole circle, and on a cusp, of radius 0.
   least_cosine_ = is_whole() || radius == 0 ? -2 : std::cos(half);
 }
 
@@ -94,7 +95,7 @@ JudgedSurface::JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart 
     if (arc.spindle) add_cusps(arc);
     arcs.push_back(in_place(arc));
   }
-  if (std::ranges::find(included, 0) != included.end()) sort_balls();
+  if (std::ranges::find(included, 0) != included.end()) classify_balls();
 }
 
 CircleArc JudgedSurface::in_place(const RolledArc& arc) const {
@@ -102,7 +103,7 @@ CircleArc JudgedSurface::in_place(const RolledArc& arc) const {
   return {in_angstrom(arc.center), arc.axis, start, unit * arc.circle_radius, arc.angle};
 }
 
-void JudgedSurface::sort_balls() {
+void JudgedSurface::classify_balls() {
   const AccessibleSurface& s = grown.surface;
   std::vector<std::array<bool, 2>> has(grown.triangulation.balls.size(), {false, false});
   for (const ContactPiece& piece : s.contacts) has[piece.ball][included[piece.component]] = true;
@@ -125,7 +126,7 @@ void JudgedSurface::sort_balls() {
   }
 }
 
-bool JudgedSurface::includes_place(SphereId sphere, const Vec3d& point) const {
+bool JudgedSurface::includes_point(SphereId sphere, const Vec3d& point) const {
   if (includes_all()) return true;
   if (sphere >= pieces_.size() || pieces_[sphere] == Pieces::none_included) return false;
   const auto borders = borders_.find(sphere);
@@ -145,9 +146,9 @@ bool JudgedSurface::has_certified_patch(std::uint32_t probe) const {
   return cut_of[probe] != kNoIndex && cut[cut_of[probe]].certified;
 }
 
-// Both probes of a crease have it; that of lower number adds it. If one of the two patches is not
-// certified, either adds it, because the other may lack it. A segment runs clockwise about the axis
-// of its cap.
+// Both probes of a crease have it; the one of lower number adds it. If one of the two patches is
+// not certified, both add it, because one may lack it; a curve that is there twice does no harm.
+// Segments of a patch's sides are no creases. A segment runs clockwise about the axis of its cap.
 void JudgedSurface::add_creases(const ConcavePatch& patch) {
   const double p = unit * grown.surface.probe_radius;
   for (const PatchSegment& s : patch.segments) {

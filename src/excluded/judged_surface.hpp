@@ -44,7 +44,7 @@ struct JudgedSurface {
   JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart part, Monitor* monitor);
 
   const GrownAtoms grown;
-  const double unit;  // of scaled lengths, in Å: a power of two
+  const double unit;  // Å for each unit of scaled lengths: a power of two
   // Of each component of the accessible surface, whether its probes make the judged surface.
   const std::vector<std::uint8_t> included;
   std::vector<ConcavePatch> cut;      // of low probes, by probe, ascending
@@ -54,8 +54,8 @@ struct JudgedSurface {
 
   bool includes(const RolledArc& arc) const { return grown.surface.counts(arc, included); }
   bool includes_all() const { return pieces_.empty(); }
-  // Whether an accessible point, Å, of the grown ball of a sphere is a place of an included probe.
-  bool includes_place(SphereId sphere, const Vec3d& point) const;
+  // Whether an exposed point, Å, of the sphere of a grown ball is the centre of an included probe.
+  bool includes_point(SphereId sphere, const Vec3d& point) const;
 
   // A scaled position relative to the origin of the accessible surface, in Å.
   Vec3d in_angstrom(const Vec3d& position) const {
@@ -71,7 +71,7 @@ struct JudgedSurface {
     bool included;
   };
   CircleArc in_place(const RolledArc& arc) const;
-  void sort_balls();
+  void classify_balls();
   bool has_certified_patch(std::uint32_t probe) const;
   void add_creases(const ConcavePatch& patch);
   void add_cusps(const RolledArc& arc);

@@ -88,7 +88,7 @@ void SurfaceSamples::add_contact(const Patch& grown, Random random, std::vector<
   const double growth = grown.ball.radius / patch.ball.radius;
   const auto is_included = [&](const Vec3d& point) {
     const Vec3d& center = grown.ball.center;
-    return surface_.includes_place(sphere_of_[grown.place], center + growth * (point - center));
+    return surface_.includes_point(sphere_of_[grown.place], center + growth * (point - center));
   };
   sample_patch(patch, density_, random, [&](const Vec3d& point) {
     if (is_included(point)) inside.push_back(point);

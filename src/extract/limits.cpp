@@ -19,6 +19,7 @@ double fitting_spacing(double spacing, std::uint64_t need, std::uint64_t limit) 
   return spacing * std::sqrt(static_cast<double>(need) / static_cast<double>(limit)) * 1.02;
 }
 
+// Node values take a float32 each.
 void check_sampling(const FieldModel& model, std::uint64_t memory_limit) {
   if (model.kind == FieldKind::vdw) {
     throw InvalidInput("the vdw field has no node values: sample blinn, soft or inverse-squared");
@@ -55,7 +56,6 @@ void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
   }
 }
 
-// The values take one float32 per node.
 FieldModel begin_sampling(SampledField& field, const SphereSet& spheres,
                           const ExtractOptions& options) {
   field.grid = make_grid(spheres, options.grid);

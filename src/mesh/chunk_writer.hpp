@@ -17,8 +17,9 @@ namespace vdwmesh::formats {
 static_assert(std::endian::native == std::endian::little,
               "binary formats are written as in memory");
 
-// The writer calls begin_record() before each vertex, face or other short record. What it appends
-// until the next record is not checked against the end of the buffer: begin_record() has made room.
+// The code that writes a format calls begin_record() before each vertex, face or other short
+// record. What it appends until the next record is not checked against the end of the buffer:
+// begin_record() has made room.
 class ChunkWriter : public RecordBytes {
  public:
   explicit ChunkWriter(ByteSink& sink) : RecordBytes(nullptr), sink_(sink), buffer_(kSize) {

@@ -13,8 +13,9 @@
 
 namespace vdwmesh::formats {
 
-// The largest number of vertices of a file, whose faces name them by 32 bits. As long as 31 bits
-// do, the header calls these an int, which every reader knows, and a uint beyond.
+// The largest number of vertices of a file, whose faces name them by numbers of 32 bits. Up to
+// kMostIntPlyVertices the header declares these numbers as int, which every reader knows. Beyond,
+// it declares them as uint.
 inline constexpr std::uint64_t kMostPlyVertices = std::uint64_t{1} << 32;
 inline constexpr std::uint64_t kMostIntPlyVertices = std::uint64_t{1} << 31;
 

@@ -50,7 +50,8 @@ class SphereConstraint {
     return constrained_midpoint(spheres_, pieces.data(), u, v);
   }
   static VertexSpheres label(const Pieces& pieces, const Vec3d&) { return pieces; }
-  // Only a mesh that is not projected has normals here; the others get theirs at the end.
+  // Called only if the mesh has normals. A mesh that is projected has none until refine() has made
+  // its last level, and computes them from the surface then.
   static Vec3f normal(const Pieces&, const Midpoints& level, std::size_t h, const Vec3d&) {
     return level.mean_normal(h);
   }
@@ -82,9 +83,11 @@ MoveState put(const PlacedVertex& placed, std::size_t v, IndexedMesh& mesh) {
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                   const Midpoints& level, IndexedMesh& mesh,
                                   const RefineOptions& options) {
-  // The items of `level` are the parent's half-edges. handled_by_item() gives the number of its
-  // edge for the lower half-edge of an edge, and nothing for the upper one. midpoint_of() is the
-  // index of a vertex, middle_of() a position.
+  // Four things have numbers here:
+  //   h, an item of `level`    a half-edge of the parent
+  //   handled_by_item(h)       its edge, if h is the lower half-edge of it; otherwise nothing
+  //   midpoint_of(h)           the vertex at the middle of the edge
+  //   middle_of(h)             no number, but a position: the middle of the edge's ends
   const Sphere* balls = spheres.spheres().data();
   Buffer<MoveState> move_states(level.items() / 2);  // by edge: two half-edges each
   ProjectionStats stats =
@@ -126,8 +129,8 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
     Buffer<MoveState> move_states(mesh.vertex_count());
     const Buffer<std::uint64_t> squares = longest_edge_squares(mesh);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
-      // A vertex may move by at most the length of its longest edge. The squares come as the bits
-      // of doubles (vertex_moves.hpp).
+      // A vertex may move by at most the length of its longest edge. The squares are bits of
+      // doubles, of which threads take the maximum as integers (vertex_moves.hpp).
       const double reach = std::sqrt(std::bit_cast<double>(squares[v]));
       move_states[v] = put(place_given(surface, positions[v], labels[v], reach, total), v, mesh);
     });

@@ -30,11 +30,12 @@ VDWMESH_HD inline SaddlePoint saddle_point(const SurfacePatch& saddle, const Vec
   const double height = dot(from_center, saddle.axis);
   const Vec3d radial = along(from_center, -height, saddle.axis);
   const double girth = norm(radial);
-  // (1 + cos α, sin α) has half the angle; here it is times the probe's radius. α is within ±90°.
-  const double cosine = saddle.radius + (saddle.ring_radius - girth);
-  const double length = std::sqrt(cosine * cosine + height * height);
-  return {girth > 0 ? (1 / girth) * radial : Vec3d{0, 0, 0}, girth, cosine / length,
-          height / length};
+  // With the probe's radius p, the vector (p + p cos α, p sin α) has the angle α/2. The second
+  // component is the height, and p cos α the distance of the point from the circle of centres
+  // towards the axis. α is within ±90°.
+  const double x = saddle.radius + (saddle.ring_radius - girth);
+  const double length = std::sqrt(x * x + height * height);
+  return {girth > 0 ? (1 / girth) * radial : Vec3d{0, 0, 0}, girth, x / length, height / length};
 }
 
 // The point nearest to p on the torus of a saddle. Not found if p lies on the axis, or on the
@@ -51,14 +52,18 @@ VDWMESH_HD inline FoundPoint nearest_on_torus(const SurfacePatch& saddle, const 
 // The midpoint of the image of an edge in the conformal chart of a saddle, for a circle of the
 // probe's centres that is larger than the probe. The chart is a rectangle (φ, s) with ds = p dα / g
 // for the girth g = ρ - p cos α (excluded/mesher/saddle_chart.hpp). Its triangles are divided as in
-// the plane, so none of them folds, however thin the waist of the saddle is. The nearest point to
-// the middle of u and v would not do: its turn is that of the end with the larger girth.
+// the plane, so none of them folds, however thin the waist of the saddle is. The point of the torus
+// nearest to the middle of u and v would not do: its φ is nearly that of the end with the larger
+// girth.
 //
-// The turn of the midpoint is the mean of both, the direction of the sum of the radial unit
-// vectors. With t = tan(α/2) and D = (ρ - p) / (ρ + p), s is a multiple of atan(t / √D), the angle
-// of the vector (√D, t). The mean angle is that of the sum of unit vectors, which gives t = Σ tᵢ/nᵢ
-// / Σ 1/nᵢ with nᵢ² = D + tᵢ². Since D + t² = g / ((ρ + p) cos²(α/2)), it is tan(α/2) = Σ
-// sin(αᵢ/2)/√gᵢ / Σ cos(αᵢ/2)/√gᵢ: the mean of the half profile angles as vectors that weigh 1/√g.
+// φ of the midpoint is the mean of the two, the direction of the sum of the radial unit vectors.
+// With t = tan(α/2) and D = (ρ - p) / (ρ + p), s is a multiple of atan(t / √D), the angle of the
+// vector (√D, t). Its mean is the angle of the sum of the unit vectors (√D, tᵢ) / nᵢ, with
+// nᵢ² = D + tᵢ² = gᵢ / ((ρ + p) cos²(αᵢ/2)). So for the midpoint
+//
+//   tan(α/2) = (Σ tᵢ / nᵢ) / (Σ 1 / nᵢ) = (Σ sin(αᵢ/2) / √gᵢ) / (Σ cos(αᵢ/2) / √gᵢ),
+//
+// the direction of the sum of the vectors (cos(αᵢ/2), sin(αᵢ/2)) with the weights 1 / √gᵢ.
 //
 // Not found if the ends are opposite of each other about the axis.
 VDWMESH_HD inline FoundPoint chart_midpoint(const SurfacePatch& saddle, const SaddlePoint& a,
@@ -95,9 +100,14 @@ VDWMESH_HD inline FoundPoint inner_midpoint(const SurfacePatch& patch, const Vec
   return nearest_on_sphere({patch.center, patch.radius}, midpoint(u, v));
 }
 
-// The midpoint of an edge between two different patches, on the circle in which they meet. On the
-// side of a probe it is that of the saddle's chart, else the middle of the shorter arc. Not found
-// for kinds of patches that never meet in a curve.
+// The midpoint of an edge between two different patches, on the circle in which they meet:
+//
+//   contact, saddle    the middle of the shorter arc
+//   concave, concave   the same
+//   saddle, concave    that of saddle_midpoint(), or if the torus reaches its axis the point of the
+//                      probe's sphere that is nearest to the middle of the ends
+//
+// Not found for kinds of patches that never meet in a curve.
 VDWMESH_HD inline FoundPoint curve_midpoint(const SurfacePatch& a, const SurfacePatch& b,
                                             const Vec3d& u, const Vec3d& v) {
   const bool in_order = a.kind <= b.kind;

@@ -27,10 +27,10 @@ void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::u
 // that are finite.
 void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh);
 
-// Completes the given mesh for level 0. Afterwards it has vertex labels with three entries, empty
-// if none were given, and opposite half-edges if a subdivision follows. Its normals are removed if
-// the mesh is projected, because they are then computed anew at the end. Throws InvalidInput if the
-// mesh is not closed and a subdivision follows.
+// Completes the given mesh for level 0. Afterwards each vertex has a label of three ids, all
+// kNoSphere if no labels were given, and opposite half-edges are there if a subdivision follows.
+// Its normals are removed if the mesh is projected, because they are then computed anew at the end.
+// Throws InvalidInput if the mesh is not closed and a subdivision follows.
 IndexedMesh prepare_mesh(IndexedMesh given, const RefineOptions& options);
 
 // The blended field to project to, used for Projection::field only. Throws InvalidInput if this

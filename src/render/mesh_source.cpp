@@ -1,9 +1,9 @@
 // The surface source of a mesh in host memory.
 //
 // The constructor checks the mesh, integrates its moments and completes its normals; fill() then
-// writes the vertices into the renderer's buffers. Loops run on all cores in blocks of fixed size.
-// Partial sums are added in the order of the blocks, so results do not depend on the number of
-// threads.
+// writes the vertices into the renderer's buffers. The moments, support() and fill() take all
+// cores, in blocks of fixed size. Partial sums are added in the order of the blocks, so results do
+// not depend on the number of threads.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -142,14 +142,14 @@ AssemblyRecipe make_recipe(const AssemblyTables& tables, const std::string& name
 }
 
 // The last operator is applied first, so the product grows to the left, from the last but one on.
-AffineMap map_of(const AssemblyTables& tables, const OperatorFactor& combination) {
+AffineMap map_of(const AssemblyTables& tables, const OperatorCombination& combination) {
   AffineMap map = tables.operators[combination.back()].map;
   for (std::size_t i = combination.size() - 1; i-- > 0;)
     map = tables.operators[combination[i]].map * map;
   return map;
 }
 
-std::string name_of(const AssemblyTables& tables, const OperatorFactor& combination) {
+std::string name_of(const AssemblyTables& tables, const OperatorCombination& combination) {
   std::string name;
   for (const std::uint32_t place : combination)
     name += (name.empty() ? "" : "-") + tables.operators[place].id;

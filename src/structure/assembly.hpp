@@ -78,7 +78,7 @@ AssemblyRecipe make_recipe(const AssemblyTables& tables, const std::string& name
 
 // The composed map of a combination, which has at least one operator; the last operator is applied
 // first. The name of a combination is its operator ids joined by "-".
-AffineMap map_of(const AssemblyTables& tables, const OperatorFactor& combination);
-std::string name_of(const AssemblyTables& tables, const OperatorFactor& combination);
+AffineMap map_of(const AssemblyTables& tables, const OperatorCombination& combination);
+std::string name_of(const AssemblyTables& tables, const OperatorCombination& combination);
 
 }  // namespace vdwmesh

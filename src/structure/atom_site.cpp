@@ -137,7 +137,7 @@ void AtomSiteBuilder::open_model(const AtomSiteRow& row) {
 void AtomSiteBuilder::open_chain(const AtomSiteRow& row) {
   chain_ = &model_->chains.emplace_back(std::string(row.chain));
   residue_ = nullptr;
-  largest_number_ = std::numeric_limits<int>::min();
+  largest_sequence_ = std::numeric_limits<int>::min();
   chains_.push_back({static_cast<std::size_t>(model_ - models_.data()), residues_});
 }
 
@@ -148,8 +148,8 @@ void AtomSiteBuilder::open_residue(const AtomSiteRow& row) {
   gemmi::ResidueId id;
   id.seqid = row.sequence;
   id.name = row.residue;
-  residue_ = number > largest_number_ ? nullptr : chain_->find_residue(id);
-  largest_number_ = std::max(largest_number_, number);
+  residue_ = number > largest_sequence_ ? nullptr : chain_->find_residue(id);
+  largest_sequence_ = std::max(largest_sequence_, number);
   if (residue_) return;
   ++residues_;
   residue_ = &chain_->residues.emplace_back(id);
@@ -175,7 +175,7 @@ void AtomSiteBuilder::add(const AtomSiteRow& row) {
   if (!residue_ || last_.sequence != row.sequence || !same_text(last_.residue, row.residue))
     open_residue(row);
   last_ = {row.model, row.chain, row.residue, row.sequence};
-  number_ =
+  residue_index_ =
       chains_.back().first_residue + static_cast<std::uint32_t>(residue_ - chain_->residues.data());
   hetero_ = !row.group.empty() && upper_case(row.group.front()) == 'H';
   append(row);
@@ -192,7 +192,7 @@ void AtomSiteBuilder::append(const AtomSiteRow& row) {
   record.serial = row.id.value_or(record.line);
   record.hetero = hetero_;
   record.position = row.position;
-  record.residue = number_;
+  record.residue = residue_index_;
   record.name = row.atom;
   record.altloc = row.altloc;
   record.occupancy = row.occupancy;

@@ -65,7 +65,7 @@ struct AtomSiteLayout {
 // lacks coordinates, chains, residue numbers, or the names of residues or atoms.
 AtomSiteLayout completed_layout(AtomSiteLayout layout, const std::string& path);
 
-// What rows have whose values are not given.
+// The values of rows in which they are not given: those that gemmi takes for mmCIF.
 inline constexpr float kOccupancy = 1, kIsotropicFactor = 50;  // the latter in Å²
 
 // One row. Texts are without quotes, and empty for a value that is not given; they must last as
@@ -73,11 +73,12 @@ inline constexpr float kOccupancy = 1, kIsotropicFactor = 50;  // the latter in 
 struct AtomSiteRow {
   std::string_view group, symbol, residue, chain, subchain, entity, model;
   ShortText atom;
-  gemmi::El element = gemmi::El::X;  // by symbol_element(), where it was asked for; X: look again
-  std::optional<std::int64_t> id;    // nothing: not given, or no integer
-  char altloc = '\0';                // '\0': none
-  gemmi::SeqId sequence;             // the residue's number and insertion code
-  Vec3d position{};                  // Å; NaN where the value is no number
+  // symbol_element(symbol) if the reader has looked it up. If it is X, add() looks it up.
+  gemmi::El element = gemmi::El::X;
+  std::optional<std::int64_t> id;  // nothing: not given, or no integer
+  char altloc = '\0';              // '\0': none
+  gemmi::SeqId sequence;           // the residue's number and insertion code
+  Vec3d position{};                // Å; NaN where the value is no number
   float occupancy = kOccupancy, b_iso = kIsotropicFactor;
   std::array<std::string_view, 3> position_texts;  // as they stand in the file, for messages
 };
@@ -108,7 +109,7 @@ class AtomSiteBuilder {
   };
   struct ChainPlace {
     std::size_t model;            // index in models_
-    std::uint32_t first_residue;  // number of the first residue
+    std::uint32_t first_residue;  // how many residues were opened before its first one
   };
   void open_model(const AtomSiteRow& row);
   void open_chain(const AtomSiteRow& row);
@@ -125,9 +126,9 @@ class AtomSiteBuilder {
   gemmi::Model* model_ = nullptr;  // of the last row, as chain_ and residue_
   gemmi::Chain* chain_ = nullptr;
   gemmi::Residue* residue_ = nullptr;
-  std::uint32_t number_ = 0;  // of residue_
-  bool hetero_ = false;       // of the last row
-  int largest_number_ = 0;    // of the residues in chain_
+  std::uint32_t residue_index_ = 0;  // of residue_, among all that were opened
+  bool hetero_ = false;              // of the last row
+  int largest_sequence_ = 0;         // the largest sequence number in chain_
 };
 
 // The element of a symbol; X if the symbol is empty or of no element.

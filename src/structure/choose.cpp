@@ -90,7 +90,7 @@ std::int32_t model_number(const gemmi::Model& model) {
 // always get the same name, even if several parts of the recipe hold pieces of that chain.
 class CopyChainNames {
  public:
-  const std::string& of(const gemmi::Chain& chain, const OperatorFactor& combination) {
+  const std::string& of(const gemmi::Chain& chain, const OperatorCombination& combination) {
     std::string& name = names_[{chain.name, combination}];
     if (name.empty()) name = unused(chain.name);
     return name;
@@ -106,7 +106,7 @@ class CopyChainNames {
     }
   }
 
-  std::map<std::pair<std::string, OperatorFactor>, std::string> names_;
+  std::map<std::pair<std::string, OperatorCombination>, std::string> names_;
   std::map<std::string, int> counts_;  // chain -> the number that was tried last
   std::set<std::string> used_;         // all names in names_
 };
@@ -200,10 +200,9 @@ class Choice {
       if (is_water(*first->place->residue, {first, last})) {
         molecule_.skipped["waters"] += static_cast<std::uint64_t>(last - first);
         first = last;
-      } else if (end == first) {
-        end = first = last;
       } else {
-        while (first != last) *end++ = *first++;
+        end = end == first ? last : std::copy(first, last, end);  // dropped none so far, or some
+        first = last;
       }
     }
     sites_.erase(end, sites_.end());
@@ -447,14 +446,16 @@ class Choice {
     // bounded its combinations. There may be more than 2^64 of them.
     if (held.empty()) return;
     for (const OperatorProduct& product : part.products)
-      for_each_combination(product, [&](const OperatorFactor& combination) {
+      for_each_combination(product, [&](const OperatorCombination& combination) {
         const AffineMap map = map_of(file_.assemblies, combination);
         const gemmi::Chain* chain = nullptr;
         ShortText name;
         // The name is looked up once for each run of atoms of one chain; `chain` is the last one.
         for (const Site* site : held) {
-          if (site->place->chain != chain)
-            name = names.of(*(chain = site->place->chain), combination);
+          if (site->place->chain != chain) {
+            chain = site->place->chain;
+            name = names.of(*chain, combination);
+          }
           Atom& copy = take(*site);
           copy.position = map(copy.position);
           copy.chain = name;
@@ -464,7 +465,7 @@ class Choice {
   }
 
   // Throws if the combination of operators has moved the copy beyond kFarthest.
-  void refuse_if_far(const Atom& copy, const OperatorFactor& combination) const {
+  void refuse_if_far(const Atom& copy, const OperatorCombination& combination) const {
     const Vec3d& p = copy.position;
     const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN
     if (is_near(p.x) && is_near(p.y) && is_near(p.z)) return;

@@ -143,9 +143,9 @@ std::uint64_t combination_count(const std::vector<OperatorProduct>& products) {
 // wheel passes its end, it returns to 0 and the wheel on its left moves on. The loop ends when the
 // first wheel has passed its end.
 void for_each_combination(const OperatorProduct& product,
-                          const std::function<void(const OperatorFactor&)>& visit) {
+                          const std::function<void(const OperatorCombination&)>& visit) {
   std::vector<std::size_t> wheels(product.size(), 0);
-  OperatorFactor indices(product.size());
+  OperatorCombination indices(product.size());
   for (;;) {
     for (std::size_t f = 0; f < product.size(); ++f) indices[f] = product[f][wheels[f]];
     visit(indices);

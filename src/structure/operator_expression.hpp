@@ -15,9 +15,10 @@ namespace vdwmesh {
 // Maps the id of an operator to its index in AssemblyTables::operators.
 using OperatorIndices = std::map<std::string, std::uint32_t, std::less<>>;
 
-// A list of operators, by their indices in AssemblyTables::operators. It is either one factor of a
-// product or one combination, which has one operator from each factor.
+// Operators, by their indices in AssemblyTables::operators: those of one factor of a product, and
+// those of one combination, which has one operator from each factor.
 using OperatorFactor = std::vector<std::uint32_t>;
+using OperatorCombination = std::vector<std::uint32_t>;
 
 // A Cartesian product: it stands for all combinations of one operator from each factor. The
 // dictionary applies the factors from right to left, so the operator from the last factor acts
@@ -46,6 +47,6 @@ std::uint64_t combination_count(const std::vector<OperatorProduct>& products);
 // Calls `visit` with each combination of the product. The operator of the last factor changes
 // fastest.
 void for_each_combination(const OperatorProduct& product,
-                          const std::function<void(const OperatorFactor&)>& visit);
+                          const std::function<void(const OperatorCombination&)>& visit);
 
 }  // namespace vdwmesh

@@ -182,6 +182,7 @@ std::optional<RadiusTable::Entry> RadiusTable::find(std::string_view residue, st
     if (own != by_atom_.end()) return Entry{own->second, false};
   }
   if (united_) {
+    // Hydrogens are part of the united atoms, and have no radius.
     if (element == "H" || element == "D") return std::nullopt;
     if (const auto match = united_->find(residue, atom, element))
       return Entry{match->type->radius, false, match->type->polarity, match->renamed};

@@ -12,7 +12,8 @@
 
 namespace vdwmesh {
 
-// The variable itself. The compiler cannot see that, and keeps its address in a register.
+// Returns `variable`, in a way that hides from the compiler that it is local to the thread. So its
+// address is looked up once and then stands in a register. What that is for is said below.
 template <class T>
 T& with_known_address(T& variable) {
   T* address = &variable;
@@ -174,7 +175,8 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls,
   }
 }
 
-// The vertices of a cell in canonical order; CGAL's order is positively oriented.
+// The vertices of a cell in the order of PowerTriangulation::cells. CGAL's order is positively
+// oriented. An odd number of exchanges sorts it: then two of the sorted vertices are exchanged.
 CellVertices canonical(const Triangulation::Cell& cell) {
   CellVertices v{cell.vertex(0)->info(), cell.vertex(1)->info(), cell.vertex(2)->info(),
                  cell.vertex(3)->info()};

@@ -39,7 +39,7 @@ class BoundaryBuilder {
  public:
   BoundaryBuilder(const PlacedBalls& balls, const ExposedBoundary& exposed,
                   const FeatureSizes& sizes)
-      : t_(balls), exposed_(exposed) {
+      : placed_(balls), exposed_(exposed) {
     out_.sizes = sizes;
   }
 
@@ -56,7 +56,7 @@ class BoundaryBuilder {
   }
 
  private:
-  const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
+  const Sphere& ball(std::uint32_t i) const { return placed_.balls[i]; }
 
   // Step (1).
   void place_arcs() {
@@ -69,6 +69,7 @@ class BoundaryBuilder {
     leave_out_arcs();
   }
 
+  // Side 0 is above the plane of a, b and c: where the three are seen counter-clockwise.
   BoundaryCorner corner(const ExposedCorner& exposed) const {
     const auto& [a, b, c] = exposed.balls;
     const CommonPoints points = common_points(ball(a), ball(b), ball(c));
@@ -92,9 +93,9 @@ class BoundaryBuilder {
                     0,
                     std::sqrt(shape.squared_circle_radius)};
     // On a small circle the corners are too near the centre for their positions to give the angle
-    // between them (arc_angle.hpp). kSmallCircle is a ratio of squared radii, so a circle is small
-    // up to 1e-3 of the radius of its smaller ball. That is far above FeatureSizes::circle, up to
-    // which is_left_out() drops a circle.
+    // between them (arc_angle.hpp). kSmallCircle = 1e-6 is a ratio of squared radii: a circle is
+    // small up to 1e-3 of the radius of its smaller ball. That is far above FeatureSizes::circle,
+    // up to which is_left_out() drops a circle.
     const bool small =
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
@@ -124,8 +125,9 @@ class BoundaryBuilder {
   // As a rule the positions of the corners give the angle. On a small circle, the dihedral angles
   // of the triangulation give it instead (arc_angle.hpp). If the positions give an angle below
   // kSmallArc, they cannot tell an arc of almost no length from an arc of almost a whole turn, and
-  // the dihedral angles decide between the two. The sign of the small angle may be due to rounding.
-  // So the result may exceed 2 pi by a rounding error.
+  // the dihedral angles decide between the two. The sign of the small angle may be due to rounding,
+  // so almost a whole turn is 2 pi plus that angle, which may exceed 2 pi by a rounding error, and
+  // almost no length is its size.
   double sweep(const CornerArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
                bool small) const {
     if (small) return angle_by_dihedrals(arc);
@@ -136,7 +138,8 @@ class BoundaryBuilder {
   }
 
   double angle_by_dihedrals(const CornerArc& arc) const {
-    return vdwmesh::angle_by_dihedrals(t_.balls, arc.balls, exposed_.corners[arc.corners[0]].balls,
+    return vdwmesh::angle_by_dihedrals(placed_.balls, arc.balls,
+                                       exposed_.corners[arc.corners[0]].balls,
                                        exposed_.corners[arc.corners[1]].balls);
   }
 
@@ -198,12 +201,12 @@ class BoundaryBuilder {
   void find_coincident_corners() {
     using Pair = std::array<std::uint32_t, 2>;
     SortedRows<std::uint32_t> corners;  // by ball: those on its sphere
-    corners.fill(t_.balls.size(), out_.corners.size(), [&](std::size_t c, const auto& add) {
+    corners.fill(placed_.balls.size(), out_.corners.size(), [&](std::size_t c, const auto& add) {
       for (const std::uint32_t b : out_.corners[c].balls) add(b, static_cast<std::uint32_t>(c));
     });
     const auto coincident = collect<Pair>(corners.size(), [&](std::size_t b, auto& found) {
       const auto of_ball = corners[b];
-      const double reach = out_.sizes.arc * t_.balls[b].radius;
+      const double reach = out_.sizes.arc * placed_.balls[b].radius;
       for (std::size_t i = 0; i < of_ball.size(); ++i) {
         for (std::size_t j = i + 1; j < of_ball.size(); ++j) {
           const Vec3d gap = out_.corners[of_ball[j]].position - out_.corners[of_ball[i]].position;
@@ -230,16 +233,17 @@ class BoundaryBuilder {
   // spheres may pass through a corner (has_joined_corners).
   void find_touching_arcs() {
     const std::size_t corners = out_.corners.size();  // before
-    const auto joined = join_touching_arcs(t_, out_);
+    const auto joined = join_touching_arcs(placed_, out_);
     joined_.insert(joined_.end(), joined.begin(), joined.end());
     out_.has_joined_corners = corners < out_.corners.size() || !joined.empty();
   }
 
   // Replaces each set of joined corners by its member of lowest index, which is what
   // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
-  // anew, in their order; corners in which no arc ends any more are dropped. Of the corners, only
-  // pairs of joined_ count in `joins`, since leave_out_arcs() has counted the short arcs in
-  // `points`. As a rule there is nothing to join; then every corner ends three arcs and stays.
+  // anew, in their order; corners in which no arc ends any more are dropped. `joins` grows by the
+  // corners that pairs of joined_ make one. leave_out_arcs() has counted those at the ends of a
+  // short arc already, in `points`. As a rule there is nothing to join; then every corner ends
+  // three arcs and stays.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
@@ -260,9 +264,10 @@ class BoundaryBuilder {
     });
     // By old index of a corner: its new index, or kNoIndex if no arc ends there.
     std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
-    Buffer<BoundaryCorner> kept(number_all(
+    const std::size_t count = number_all(
         number.size(), [&](std::size_t c) { return is_end[c] != 0; },
-        [&](std::size_t c, std::uint32_t n) { number[c] = n; }));
+        [&](std::size_t c, std::uint32_t n) { number[c] = n; });
+    Buffer<BoundaryCorner> kept(count);
     for_each_index(number.size(), [&](std::size_t c) {
       if (number[c] != kNoIndex) kept[number[c]] = out_.corners[c];
     });
@@ -280,7 +285,8 @@ class BoundaryBuilder {
   // Returns whether a slit was closed.
   bool close_slits() {
     const std::vector<Slit> slits = find_slits();
-    // An arc takes part in one closure per call, because `slits` has its former balls afterwards.
+    // An arc takes part in one closure per call. After it the arc has another ball, with which the
+    // other slits were not found; the next call finds those that are left.
     std::vector<std::uint8_t> changed(slits.empty() ? 0 : out_.arcs.size(), 0);
     std::vector<std::uint32_t> gone;
     for (const auto& [ball, a, b] : slits) {
@@ -313,7 +319,7 @@ class BoundaryBuilder {
       auto operator<=>(const Place&) const = default;
     };
     SortedRows<Place> places;
-    places.fill(t_.balls.size(), out_.arcs.size(), [&](std::size_t a, const auto& add) {
+    places.fill(placed_.balls.size(), out_.arcs.size(), [&](std::size_t a, const auto& add) {
       const BoundaryArc& arc = out_.arcs[a];
       const auto [low, high] = std::minmax(arc.ends[0], arc.ends[1]);
       for (const std::uint32_t b : arc.balls) add(b, {low, high, static_cast<std::uint32_t>(a)});
@@ -354,7 +360,7 @@ class BoundaryBuilder {
     return norm(a.center - b.center) + std::abs(a.radius - b.radius) + a.radius * tilt <= reach;
   }
 
-  const PlacedBalls& t_;
+  const PlacedBalls& placed_;
   const ExposedBoundary& exposed_;
   BoundaryArcs out_;
   // Pairs of corners that are one point, as indices into out_.corners. short_arc_ends_ has the ends

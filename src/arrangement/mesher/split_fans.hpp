@@ -3,8 +3,9 @@
 //
 // A fan is a set of triangles around a vertex that are connected by common edges at the vertex. A
 // vertex with more than one fan is not manifold. The fan of the first triangle keeps the vertex.
-// Each other fan gets a copy of it. If the label of the vertex lacks a sphere of a fan, the vertex
-// of this fan gets the spheres of the fan as its label, unless they are more than three.
+// Each other fan gets a copy of it. The vertex of a fan, kept or copied, has the old label if that
+// names all spheres of the fan's triangles. If not, its label has these spheres, if they are three
+// at most.
 #pragma once
 
 #include <cstddef>

@@ -19,7 +19,8 @@ struct CurvePoint {
 };
 
 // The outcome: either triangles, or requests to split pieces of curves. Vertices of triangles are
-// numbered: first the points of the boundary, then the interior ones.
+// numbered: first the points of the boundary, then the interior ones. Positions are those of the
+// accessible surface: scaled, and relative to AccessibleSurface::origin. Normals have length 1.
 struct SaddleMesh {
   std::vector<CurvePoint> boundary;
   std::vector<Vec3d> interior, normals;                 // relative to the origin, scaled
@@ -27,7 +28,8 @@ struct SaddleMesh {
   std::vector<PieceSplit> splits;                       // requests, in no order
 };
 
-// `edge_length` of the options is scaled. Throws CoincidentPoints, Cancelled.
+// `edge_length` of the options is scaled. `plane` is working memory, for use again and again.
+// Throws CoincidentPoints, Cancelled.
 SaddleMesh mesh_saddle(const CurveComplex& complex, const ArcSampling& sampling,
                        const SaddleFace& face, const PatchOptions& options,
                        PlaneTriangulation& plane);

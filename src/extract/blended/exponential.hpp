@@ -42,7 +42,8 @@ VDWMESH_HD inline float exponential(float x) {
 }
 
 // The same method in double: returns e^x with a relative error below 1e-15 for x from -708 to 709,
-// and 0 for x < -708. Precondition: x <= 709. The Taylor polynomial goes to r^13.
+// and 0 for x < -708. Precondition: x <= 709. The Taylor polynomial goes to r^13. Here the scale is
+// made from the integer n, which is not below -1022, so that its exponent field is at least 1.
 VDWMESH_HD inline double exponential(double x) {
   constexpr double round_to_integer = 6755399441055744.0;  // 1.5 * 2^52
   const double t = std::fma(x, 1.4426950408889634074, round_to_integer);

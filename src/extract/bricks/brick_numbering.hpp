@@ -32,7 +32,8 @@ struct ActiveBrick {
   BrickSigns signs;
 };
 
-// Numbers of vertices and triangles: of one brick, or the prefix sums over all bricks before it.
+// How many vertices and triangles there are: in one brick, or in all bricks before one. Numbers
+// begin with 0, so the latter are also the numbers of the brick's first vertex and first triangle.
 struct BrickSums {
   std::uint64_t vertices, triangles;
 };
@@ -74,11 +75,11 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
 [[noreturn]] void throw_missing_neighbour(const BrickIndex& brick);
 
 // Index in the list of the neighbour at `slot` (neighbour_slot()) of the brick with that key.
-// Precondition: of the nodes that are corners of cells of both bricks, some are inside and some are
-// outside. Then the surface crosses a cell of the neighbour too. The brick search keeps every brick
-// with surface, so the neighbour is in the list. Throws InternalError if it is not: using another
-// brick instead would silently produce a wrong mesh. Host only; the device has a search of its own
-// in emit_triangles.cu.
+// Precondition: of the nodes that cells of both bricks have, some are inside and some are outside.
+// Then the surface crosses a cell of the neighbour too, because these nodes are corners of such
+// cells. The brick search keeps every brick with surface, so the neighbour is in the list. Throws
+// InternalError if it is not: using another brick instead would silently produce a wrong mesh. Host
+// only; the device has a search of its own in emit_triangles.cu.
 inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
   const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
