@@ -30,6 +30,7 @@
 #include <tuple>
 #include <utility>
 
+#include "arrangement/complex/incremental_cells.hpp"
 #include "arrangement/complex/power_triangulation.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
@@ -38,6 +39,15 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The cells, whichever way finds them.
+RegularCells cells_of(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
+                      std::span<const std::uint32_t> indices, const TakesCell& takes,
+                      std::vector<std::uint8_t>& has_vertex, Monitor* monitor) {
+  auto cells = incremental_cells(balls, auxiliary, indices, takes, has_vertex, monitor);
+  if (cells) return std::move(*cells);
+  return regular_cells(balls, auxiliary, indices, takes, has_vertex, monitor);
+}
 
 struct Block {
   Vec3d lower, upper;                // infinite where no other block follows
@@ -160,7 +170,7 @@ RegularCells triangulate_block(const std::vector<Sphere>& balls,
     return v[2] < balls.size() && v[3] < balls.size() && is_own[v[0]] &&
            is_settled(balls[v[0]], balls[v[1]], balls[v[2]], balls[v[3]], block, margin);
   };
-  RegularCells cells = regular_cells(balls, auxiliary, near, takes, appears, monitor);
+  RegularCells cells = cells_of(balls, auxiliary, near, takes, appears, monitor);
   for (const std::uint32_t i : block.balls) has_vertex[i] = appears[i];
   return cells;
 }
@@ -287,7 +297,7 @@ class Joiner {
   // Adds the cells that are not settled. They are numbered in the order of the flood.
   void add_rest() {
     std::vector<std::uint8_t> unused(balls_.size());
-    const RegularCells rest = regular_cells(
+    const RegularCells rest = cells_of(
         balls_, auxiliary_, open_balls(), [](const CellVertices&) { return true; }, unused,
         monitor_);
     const auto first = static_cast<std::uint32_t>(out_.cells.size());
@@ -345,7 +355,7 @@ RegularCells joined_cells(const std::vector<Sphere>& balls, const std::array<Vec
   blocks = std::min(blocks, balls.size());
   if (blocks <= 1) {
     std::vector<std::uint8_t> unused(balls.size());
-    return regular_cells(
+    return cells_of(
         balls, auxiliary, all, [](const CellVertices&) { return true; }, unused, monitor);
   }
   const Vec3d everywhere{kInfinity, kInfinity, kInfinity};

@@ -38,15 +38,13 @@ T& with_known_address(T& variable) {
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
-#include <ranges>
 #include <utility>
 
+#include "arrangement/complex/insertion_order.hpp"
 #include "arrangement/complex/power_predicates.hpp"
 #include "arrangement/complex/power_triangulation.hpp"
 #include "core/errors.hpp"
-#include "core/split_mix.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -123,26 +121,6 @@ using Triangulation =
                                   CGAL::Triangulation_data_structure_3<VertexBase, NumberedCell<>>>;
 using WeightedPoint = PowerTraits::Weighted_point_3;
 using Point = PowerTraits::Point_3;
-
-// Returns the order of insertion: a biased randomized insertion order (Amenta,
-// Choi, Rote 2003). A hash of the index chooses the round: three zero bits at its end move a ball
-// one round ahead. So the last round, rounds[0], has 7/8 of the balls, the one before it 7/8 of the
-// rest, and so on. Each round is in spatial order.
-std::vector<std::uint32_t> insertion_order(std::size_t count) {
-  constexpr int kBitsPerRound = 3, kRounds = 6;
-  std::array<std::vector<std::uint32_t>, kRounds> rounds;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t hash = split_mix((i + 1) * kSplitMixStep);
-    const int round = std::min(std::countr_zero(hash) / kBitsPerRound, kRounds - 1);
-    rounds[static_cast<std::size_t>(round)].push_back(static_cast<std::uint32_t>(i));
-  }
-  std::vector<std::uint32_t> order;
-  order.reserve(count);
-  for (const auto& round : std::views::reverse(rounds)) {
-    order.insert(order.end(), round.begin(), round.end());
-  }
-  return order;
-}
 
 // Inserts the auxiliary points, then the balls. Every search begins where the last one ended, which
 // is near because the order is spatial. A ball that others hide is not inserted: insert() returns
