@@ -106,11 +106,11 @@ void assign_radii(Sites& sites, const ParsedFile& file, const RadiusTable& table
                   Molecule& molecule) {
   Account account(table.has_united_atoms());
   LookUp look_up(table);
-  for (Site& site : sites) {
+  for (const Site& site : sites) {
     const auto& entry = look_up.find(site);
     if (!entry) refuse_radius(site, file, molecule.radius_set);
-    site.radius = entry->radius;
-    site.polarity = entry->polarity;
+    site.atom->radius = entry->radius;
+    site.atom->polarity = entry->polarity;
     account.add(site, *entry);
   }
   account.write_to(molecule);

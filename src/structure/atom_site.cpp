@@ -192,6 +192,9 @@ void AtomSiteBuilder::append(const AtomSiteRow& row) {
   record.serial = row.id.value_or(record.line);
   record.hetero = hetero_;
   record.position = row.position;
+  const Vec3d& p = row.position;
+  farthest_ = std::max({farthest_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  has_labels_ |= row.altloc != '\0';
   record.residue = residue_index_;
   record.name = row.atom;
   record.altloc = row.altloc;
@@ -221,6 +224,8 @@ void AtomSiteBuilder::number_residues() {
 void AtomSiteBuilder::finish(gemmi::cif::Block& rest) {
   if (file_.atoms.empty())
     refuse(file_.path, "its _atom_site table has no rows, so there is nothing to mesh");
+  file_.farthest = farthest_;
+  file_.has_labels = has_labels_;
   number_residues();
   file_.assemblies = take_assembly_tables(rest);
   gemmi::Structure& structure = *file_.structure;

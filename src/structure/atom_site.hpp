@@ -88,7 +88,7 @@ class AtomSiteBuilder {
  public:
   explicit AtomSiteBuilder(ParsedFile& file) : file_(file) {}
 
-  // Makes room for that many rows.
+  // Makes room for that many rows, which may be fewer than there are.
   void reserve(std::size_t rows);
 
   // Adds one row. Throws FileFormatError if its position is not finite.
@@ -129,6 +129,8 @@ class AtomSiteBuilder {
   std::uint32_t residue_index_ = 0;  // of residue_, among all that were opened
   bool hetero_ = false;              // of the last row
   int largest_sequence_ = 0;         // the largest sequence number in chain_
+  double farthest_ = 0;              // as in ParsedFile, of the rows so far; so is has_labels_
+  bool has_labels_ = false;
 };
 
 // The element of a symbol; X if the symbol is empty or of no element.

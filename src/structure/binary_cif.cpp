@@ -165,11 +165,23 @@ class Reader {
         layout[*column] = static_cast<int>(i);
       }
     open_columns(category, completed_layout(layout, file_.path));
-    builder.reserve(category.rows);
+    builder.reserve(std::min(category.rows, rows_in_data(category)));
     AtomSiteRow row;
     for (std::size_t first = 0; first < category.rows; first += kRowsAtOnce)
       add_block(first, std::min(kRowsAtOnce, category.rows - first), row, builder);
     for (OpenColumn& open : open_) open.stream.finish();
+  }
+
+  // As many rows as a column of the table has bytes of data, whatever the table claims: without
+  // RunLength no value takes less. Memory for more is taken as the rows are read.
+  std::size_t rows_in_data(const Category& category) const {
+    std::size_t most = 0;
+    for (const auto& [name, column] : category.columns) {
+      const auto data = column.find("data");
+      const auto bytes = data ? data->find("data") : std::nullopt;
+      most = std::max(most, bytes ? bytes->bytes().value_or("").size() : 0);
+    }
+    return most;
   }
 
   // `row` is the one before, whose place rows of the same residue keep.

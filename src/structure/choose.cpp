@@ -125,11 +125,12 @@ class Choice {
   Molecule run(const RadiusTable& table) {
     choose_models();
     drop_by_kind(table);
-    choose_alternate_locations(sites_, options_.altloc, file_.path, molecule_.skipped);
+    if (file_.has_labels || options_.altloc != "highest")
+      choose_alternate_locations(sites_, options_.altloc, file_.path, molecule_.skipped);
     select();
     refuse_if_empty();
     take_radii(table);
-    drop("zero_radius", [](const Site& site) { return site.radius == 0; });
+    drop("zero_radius", [](const Site& site) { return site.atom->radius == 0; });
     refuse_if_empty();
     mark_measured();
     mark_groups();
@@ -225,7 +226,7 @@ class Choice {
   void mark_measured() {
     if (options_.measure.empty()) return;
     const SiteSelection selection(options_.measure, file_);
-    for (Site& site : sites_) site.measured = selection.contains(site);
+    for (const Site& site : sites_) site.atom->measured = selection.contains(site);
   }
 
   // A group without atoms is more likely a slip than meant.
@@ -233,9 +234,9 @@ class Choice {
     for (std::size_t g = 0; g < options_.groups.size(); ++g) {
       const SiteSelection selection(options_.groups[g], file_);
       bool is_empty = true;
-      for (Site& site : sites_) {
+      for (const Site& site : sites_) {
         if (!selection.contains(site)) continue;
-        site.group = static_cast<std::int32_t>(g);
+        site.atom->group = static_cast<std::int32_t>(g);
         is_empty = false;
       }
       if (is_empty)
@@ -286,15 +287,13 @@ class Choice {
   // Gives the sites the radii of the file, or those of the table.
   void take_radii(const RadiusTable& table) {
     molecule_.radius_set = file_.own_radii ? "file" : options_.radii;
-    if (file_.own_radii)
-      for (Site& site : sites_) site.radius = site.atom->radius;
-    else
-      assign_radii(sites_, file_, table, molecule_);
+    if (!file_.own_radii) assign_radii(sites_, file_, table, molecule_);
   }
 
   // Counts the atoms whose elements were derived from names, and adds a note for the user. Files
   // with radii of their own get no note, because their radii do not depend on elements.
   void count_guesses() {
+    if (!has_guesses_) return;
     std::map<std::tuple<std::string, std::string, std::string>, std::uint64_t> unusual;
     for (const Site& site : sites_) {
       const gemmi::El element = site.atom->element;
@@ -322,8 +321,7 @@ class Choice {
       named += fmt::format(" and {} more", unusual.size() - kMostNamed);
     return fmt::format(
         "the file does not give the elements of {} atoms: they were told from the names of atoms "
-        "and "
-        "residues; other than H, C, N, O, P and S:{}",
+        "and residues; other than H, C, N, O, P and S:{}",
         molecule_.elements_guessed, unusual.empty() ? " none" : named);
   }
 
@@ -331,10 +329,11 @@ class Choice {
   Atom& take(const Site& site) {
     const AtomRecord& from = *site.atom;
     if (site.place != place_) enter(*site.place);
+    has_guesses_ |= from.element_guessed;
     return molecule_.atoms.emplace_back(
-        from.position, site.radius, symbols_[static_cast<std::size_t>(from.element)], from.name,
+        from.position, from.radius, symbols_[static_cast<std::size_t>(from.element)], from.name,
         residue_name_, chain_, residue_number_, from.serial, model_number_, from.hetero,
-        site.measured, site.group, site.polarity);
+        from.measured, from.group, from.polarity);
   }
 
   // Makes the texts that the atoms of a residue share.
@@ -487,6 +486,7 @@ class Choice {
   Molecule molecule_;
   const ElementSymbols symbols_ = element_symbols();
   const ResiduePlace* place_ = nullptr;  // of the atom appended last, as the texts below
+  bool has_guesses_ = false;  // some atom in the molecule has an element that was guessed
   std::int32_t model_number_ = 0;
   ShortText residue_name_, chain_, residue_number_;
 };

@@ -55,14 +55,14 @@ void give_gemmi_atoms(ParsedFile& file) {
   }
 }
 
-Sites all_sites(const ParsedFile& file, const std::vector<ResiduePlace>& places) {
-  const std::vector<AtomRecord>& atoms = file.atoms;
-  const auto site_of = [&](const AtomRecord& atom) { return Site{&places[atom.residue], &atom}; };
+Sites all_sites(ParsedFile& file, const std::vector<ResiduePlace>& places) {
+  std::vector<AtomRecord>& atoms = file.atoms;
+  const auto site_of = [&](AtomRecord& atom) { return Site{&places[atom.residue], &atom}; };
   Sites sites;
   sites.reserve(atoms.size());
   advise_large_pages(sites.data(), atoms.size());
   std::uint32_t last = 0;  // residue
-  for (const AtomRecord& atom : atoms) {
+  for (AtomRecord& atom : atoms) {
     if (atom.residue < last) break;
     last = atom.residue;
     sites.push_back(site_of(atom));
@@ -72,7 +72,7 @@ Sites all_sites(const ParsedFile& file, const std::vector<ResiduePlace>& places)
   for (const AtomRecord& atom : atoms) ++next[atom.residue + 1];
   for (std::size_t i = 1; i < next.size(); ++i) next[i] += next[i - 1];
   sites.resize(atoms.size());
-  for (const AtomRecord& atom : atoms) sites[next[atom.residue]++] = site_of(atom);
+  for (AtomRecord& atom : atoms) sites[next[atom.residue]++] = site_of(atom);
   return sites;
 }
 

@@ -32,6 +32,6 @@ void copy_to_gemmi(const AtomRecord& record, gemmi::Atom& atom);
 
 // All atoms of the file, residue by residue, those of a residue in the order of the file. `places`
 // are those of its residues by number, and must outlast the sites.
-Sites all_sites(const ParsedFile& file, const std::vector<ResiduePlace>& places);
+Sites all_sites(ParsedFile& file, const std::vector<ResiduePlace>& places);
 
 }  // namespace vdwmesh

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "core/vec3.hpp"
 #include "structure/assembly.hpp"
+#include "structure/molecule.hpp"
 #include "structure/short_text.hpp"
 #include "structure/text_source.hpp"
 
@@ -21,21 +23,26 @@ struct Structure;
 namespace vdwmesh {
 
 // An atom of the file. Its residue, chain and model are gemmi's; hierarchy.hpp finds them by the
-// residue's number. gemmi's own atoms take 104 bytes each, these 72.
+// residue's number. gemmi's own atoms take 104 bytes each, these 72. What the choice of atoms
+// (choose.hpp) finds out about an atom stands here too, where it takes no memory of its own.
 struct AtomRecord {
   Vec3d position;             // Å
-  double radius = 0;          // Å; 0 if the format has no radii
+  double radius = 0;          // Å; 0 if the format has no radii, until they are assigned
   ShortText name;             // "CA"
   std::int64_t serial = 0;    // the serial number that the file gives
   std::uint32_t line = 0;     // line of the file (CIF and mmCIF: row of the atom table), from 1
   std::uint32_t residue = 0;  // its number in the hierarchy, from 0
   float occupancy = 1;
   float b_iso = 20;  // Å²; temperature factor, for selections; gemmi's where the format has none
+  std::int32_t group = kNoGroup;  // as Atom has it; so are `measured` and `polarity`
   gemmi::El element{};
-  char altloc = '\0';            // label of the alternate location; '\0': none
-  bool hetero = false;           // the record is HETATM
-  bool element_guessed = false;  // the file gives no element; it was derived from the names
+  char altloc = '\0';                // label of the alternate location; '\0': none
+  bool hetero : 1 = false;           // the record is HETATM
+  bool element_guessed : 1 = false;  // the file gives no element; it was derived from the names
+  bool measured : 1 = true;
+  Polarity polarity = Polarity::unknown;
 };
+static_assert(sizeof(AtomRecord) == 72);
 
 // Largest absolute value of a coordinate, and largest radius, that is accepted, in Å. Doubles near
 // 1e6 are 1.2e-10 apart; for larger numbers they would not keep the digits that meshes promise.
@@ -49,6 +56,10 @@ struct ParsedFile {
   std::string format;             // "pdb", "mmcif", "bcif", "cif" (small molecule), "pqr" or "xyzr"
   bool own_radii = false;         // the file gives the radii (PQR, XYZR)
   bool coarse_grained = false;    // atoms are Martini beads: several atoms each, no elements
+  // What parsers know of all atoms spares others a look at each of them: the largest absolute value
+  // of a coordinate in Å, and whether any atom has an altloc. Those that do not know leave these.
+  double farthest = std::numeric_limits<double>::infinity();
+  bool has_labels = true;
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 

@@ -68,6 +68,7 @@ void warn_of_unfinished_line(std::string_view text, ParsedFile& file) {
 
 // Throws for the first atom whose position or radius is beyond kFarthest.
 void check_ranges(const ParsedFile& file) {
+  if (file.farthest <= kFarthest && !file.own_radii) return;
   for (const AtomRecord& atom : file.atoms) {
     const Vec3d& p = atom.position;
     const double far = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});

@@ -28,11 +28,7 @@ struct ResiduePlace {
 // An atom site: pointers to what must outlive the site.
 struct Site {
   const ResiduePlace* place;
-  const AtomRecord* atom;
-  double radius = 0;  // Å; 0 until radii are assigned
-  std::int32_t group = kNoGroup;
-  bool measured = true;
-  Polarity polarity = Polarity::unknown;
+  AtomRecord* atom;
 };
 
 // The atoms of a residue stand together, as in gemmi's hierarchy.

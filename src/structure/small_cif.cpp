@@ -86,7 +86,7 @@ void read_block(cif::Block& block, ParsedFile& file) {
   for (std::size_t i = 0; i < crystal.sites.size(); ++i) {
     const bool has_symbol = has_symbols && !crystal.sites[i].type_symbol.empty();
     residue.atoms.push_back(crystal_atom(crystal, i, has_symbol, file.path));
-    AtomRecord record;
+    AtomRecord record{};
     record.serial = static_cast<std::int64_t>(i) + 1;
     record.line = static_cast<std::uint32_t>(i) + 1;
     record.element_guessed = !has_symbol;

@@ -2,6 +2,7 @@
 
 import csv
 import gzip
+import resource
 import unittest
 
 import binary_cif
@@ -132,6 +133,32 @@ class Encodings(program.ProgramTest):
         for way, encoded in ways.items():
             with self.subTest(way):
                 self.assertEqual(self.area(self.write(encoded)), expected)
+
+    def test_a_table_takes_memory_for_the_rows_that_its_data_hold(self):
+        """A file of 2 MB may claim 30 million rows, for which 2.2 GB would be reserved."""
+        rows, memory = 30_000_000, 1 << 31
+        run = [{"kind": "RunLength", "srcType": 3, "srcSize": rows}, *binary_cif.int32([])[0]]
+        runs = run, binary_cif.int32([0, rows])[1]
+        text = [{"kind": "StringArray", "dataEncoding": run, "stringData": "C",
+                 "offsetEncoding": binary_cif.int32([])[0], "offsets": binary_cif.int32([0, 1])[1]}], runs[1]
+        short = [{"kind": "IntegerPacking", "byteCount": 1, "isUnsigned": True, "srcSize": rows},
+                 *binary_cif.byte_array([], "B")[0]], bytes(5000)
+        encoded = {"label_asym_id": text, "label_comp_id": text, "label_atom_id": text, "type_symbol": text,
+                   "auth_seq_id": runs, "Cartn_x": short, "Cartn_y": runs, "Cartn_z": runs}
+        table = [{"name": name, "data": binary_cif.packed_data(data), "mask": None} for name, data in encoded.items()]
+        filler = {"name": "of_no_use", "data": binary_cif.packed_data(binary_cif.byte_array(bytes(1 << 21), "B")),
+                  "mask": None}
+        path = self.folder / "claims.bcif"
+        path.write_bytes(binary_cif.pack(binary_cif.document(
+            ("x", [binary_cif.category("_filler", [filler], 1 << 21),
+                   binary_cif.category("_atom_site", table, rows)]))))
+
+        def bound():
+            if not program.SANITIZED:  # address space, of which the sanitizers reserve terabytes
+                resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+        result = program.run("exact", path, "--threads", "2", preexec_fn=bound)
+        self.assertEqual(result.returncode, program.BAD_INPUT, result.stderr)
+        self.assertIn(f"IntegerPacking gives not the {rows} values", result.stderr)
 
     def test_masks_and_texts_that_are_not_given(self):
         x = binary_cif.byte_array(self.X, "d")
