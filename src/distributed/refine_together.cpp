@@ -65,6 +65,7 @@ class Refinement final : public PieceRefinement {
              SurfacePiece& piece)
       : PieceRefinement(ranks, spheres, options, piece) {
     ranks.together([&] { surface_.emplace(spheres, options_); });
+    has_normals_ = !projects() && ranks.sum(std::uint64_t{piece.mesh.normals.size()}) > 0;
   }
 
  private:
@@ -81,11 +82,11 @@ class Refinement final : public PieceRefinement {
     ranks_.together([&] {
       put_into_part(piece_.mesh.positions, mesh.positions);
       put_into_part(piece_.mesh.vertex_spheres.atoms, mesh.vertex_spheres.atoms);
-      if (!piece_.mesh.normals.empty()) put_into_part(piece_.mesh.normals, mesh.normals);
+      if (has_normals_) put_into_part(piece_.mesh.normals, mesh.normals);
     });
     part_.halo.refresh(ranks_, mesh.positions);
     part_.halo.refresh(ranks_, mesh.vertex_spheres.atoms);
-    if (!piece_.mesh.normals.empty()) part_.halo.refresh(ranks_, mesh.normals);
+    if (has_normals_) part_.halo.refresh(ranks_, mesh.normals);
   }
 
   MoveState put(const PlacedVertex& placed, std::size_t own_vertex) {
@@ -156,7 +157,7 @@ class Refinement final : public PieceRefinement {
 
   ProjectionStats make_midpoints(const NumberedEdges& edges, Moves& moves, Buffer<Vec3d>& starts) {
     IndexedMesh &mesh = piece_.mesh, &parent = part_.mesh;
-    if (!mesh.normals.empty()) mesh.normals.resize(mesh.positions.size());
+    if (has_normals_) mesh.normals.resize(mesh.positions.size());
     const auto edge_ends = [&](std::size_t h) -> EdgeEnds {
       const auto [a, b] = ends_of(h);
       return {parent.positions[a], parent.positions[b], parent.vertex_spheres.atoms[a],
@@ -174,7 +175,7 @@ class Refinement final : public PieceRefinement {
       if (edges.is_lower[h] == 0) return;
       const std::size_t i = edges.edge[h], v = moves.first + i;
       const auto [a, b] = ends_of(h);
-      if (!mesh.normals.empty()) {
+      if (has_normals_) {
         mesh.normals[v] = mean_normal(parent.normals[a], parent.normals[b]);
       }
       const EdgeEnds ends = edge_ends(h);
@@ -248,6 +249,9 @@ class Refinement final : public PieceRefinement {
   }
 
   std::optional<NearSurface> surface_;
+  // Whether midpoints get normals. All ranks say the same, also one that has triangles, but no
+  // vertices, and so no normals of its own.
+  bool has_normals_ = false;
 };
 
 // Beside the mesh of the last level, a rank holds its part of that mesh, starts and states, and the

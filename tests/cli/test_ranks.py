@@ -176,6 +176,11 @@ class Meshes(RanksTest):
                                (UBIQUITIN, (*refined, "--field", "soft", "--project", "vdw"), (3,)),
                                (UBIQUITIN, ("--spacing", "1", "--subdivide", "1", "--project", "none"), (3,)))  # fmt: skip
 
+    def test_a_rank_without_vertices_of_its_own_has_normals(self):
+        start = [MPIRUN, "-q", "--oversubscribe", "-n", "3", os.environ["VDWMESH_RANK_WITHOUT_VERTICES"]]
+        result = subprocess.run(start, capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
     def test_subdivisions_of_few_and_far_atoms(self):
         self.assert_same_files(*((path, (*self.REFINED, "--subdivide", "2"), (3, 7)) for path in self.few_and_far()))
 
