@@ -238,12 +238,13 @@ class OneProcess final : public MeshTeam {
 // Meshes a set of which each process arranges its part. Returns nothing, in all of them, if
 // features had to be reduced to points or curves are too close: corners that were joined and other
 // feature sizes concern the whole set. So do balls of no ordinary size (Arrangement::is_ordinary).
+// It also returns nothing if a part does not fit the memory: parts are cut by an estimate of their
+// triangles, and shares of a whole arrangement by the areas of the patches.
 std::optional<ExactMeshStats> mesh_in_parts(MeshTeam& team, const SphereSet& spheres,
                                             const ExactMeshOptions& options) {
   const Clock::time_point begin = Clock::now();
   std::optional<ArrangedPart> part;
-  team.together(
-      [&] { part = arrange_part(spheres, team.number(), team.count(), options.monitor); });
+  team.together([&] { part = arrange_part(spheres, team.number(), team.count(), options); });
   const BoundaryArcs& boundary = part->boundary;
   const bool concerns_whole =
       boundary.points + boundary.contacts + boundary.joins > 0 || !part->arrangement.is_ordinary;
@@ -258,7 +259,7 @@ std::optional<ExactMeshStats> mesh_in_parts(MeshTeam& team, const SphereSet& sph
     stats.arrangement_seconds = arrangement_seconds;
     stats.seconds = seconds_since(begin);
     return stats;
-  } catch (const CurvesTooClose&) {
+  } catch (const LimitExceeded&) {  // and CurvesTooClose, which is one
     return std::nullopt;
   }
 }

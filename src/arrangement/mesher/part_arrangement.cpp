@@ -1,53 +1,22 @@
 // arrange_part(): chooses balls by the keys of their centres, and arranges them.
 //
-// 1. Keys are counted by their highest bits (Parts). So all processes cut the curve at the same
-//    places, and nobody sorts the whole set.
+// 1. All processes cut the curve at the same places (part_cuts.hpp).
 // 2. Own spheres are in a cell list, in which every other sphere looks for one that it touches.
 // 3. The near spheres are arranged in the frame of the whole set.
 // 4. Arcs and corners that are not at an own ball are left out.
 #include "arrangement/mesher/part_arrangement.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "arrangement/mesher/part_cuts.hpp"
 #include "core/fixed_blocks.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 namespace {
-
-// To which process a sphere belongs.
-class Parts {
- public:
-  Parts(const SphereSet& spheres, const SpatialFrame& frame, std::size_t parts) : frame_(frame) {
-    constexpr std::size_t kCells = std::size_t{1} << kBits;
-    std::vector<std::uint64_t> before(kCells, 0);
-    for_each_index(spheres.size(), [&](std::size_t i) {
-      std::atomic_ref(before[cell_of(spheres[i])]).fetch_add(1, std::memory_order_relaxed);
-    });
-    std::exclusive_scan(before.begin(), before.end(), before.begin(), std::uint64_t{0});
-    owner_.resize(kCells);
-    for_each_index(kCells, [&](std::size_t cell) {
-      owner_[cell] = static_cast<std::uint32_t>(before[cell] * parts / spheres.size());
-    });
-  }
-
-  std::uint32_t owner_of(const Sphere& s) const { return owner_[cell_of(s)]; }
-
- private:
-  static constexpr int kBits = 18;  // 64 cells of the curve along each axis
-
-  std::size_t cell_of(const Sphere& s) const {
-    return static_cast<std::size_t>(frame_.key(s.center) >> (3 * kHilbertBits - kBits));
-  }
-
-  const SpatialFrame& frame_;
-  std::vector<std::uint32_t> owner_;  // by cell; no cell behind the last sphere has more parts
-};
 
 // Balls touch, or might but for rounding, if they meet when all radii are longer by this fraction,
 // and one by this fraction of its coordinates. That is beyond all that the complex depends on.
@@ -63,7 +32,7 @@ bool may_touch(const Sphere& a, const Sphere& b) {
 }
 
 // The spheres of a part and all that may touch one of them, ascending.
-std::vector<SphereId> near_spheres(const SphereSet& spheres, const Parts& parts,
+std::vector<SphereId> near_spheres(const SphereSet& spheres, const PartCuts& parts,
                                    std::uint32_t number) {
   const std::vector<SphereId> own =
       collect<SphereId>(spheres.size(), [&](std::size_t i, std::vector<SphereId>& found) {
@@ -127,16 +96,16 @@ MeshShare::Run own_run(const Items& items, std::uint32_t first_own_ball) {
 }  // namespace
 
 ArrangedPart arrange_part(const SphereSet& spheres, std::size_t number, std::size_t parts,
-                          Monitor* monitor) {
+                          const ExactMeshOptions& options) {
   const BallFrame frame = ball_frame(spheres);
-  const Parts cut(spheres, frame.order, parts);
+  const PartCuts cut(spheres, frame.order, options, parts);
   const auto mine = static_cast<std::uint32_t>(number);
   const std::vector<SphereId> ids = near_spheres(spheres, cut, mine);
   ArrangedPart out{};
   if (ids.empty()) return out;
   std::vector<Sphere> near;
   for (const SphereId i : ids) near.push_back(spheres[i]);
-  out.arrangement = arrange(placed_balls(SphereSet(std::move(near)), frame), monitor);
+  out.arrangement = arrange(placed_balls(SphereSet(std::move(near)), frame), options.monitor);
   PlacedBalls& t = out.arrangement.balls;
   for (SphereId& id : t.ids) id = ids[id];
   for (const SphereId id : t.ids) out.part.owner.push_back(cut.owner_of(spheres[id]));

@@ -12,7 +12,6 @@
 
 #include "arrangement/mesher/mesh_borders.hpp"
 #include "arrangement/mesher/union_mesher.hpp"
-#include "core/monitor.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -26,10 +25,10 @@ struct ArrangedPart {
   std::uint64_t doubtful = 0;  // own balls that are (Arrangement::is_doubtful)
 };
 
-// Cuts the set into as many parts as there are processes, of about equally many balls, each a run
-// along the curve of the frame; arranges the one with this number. Every process has all spheres.
-// Throws what arrange() throws.
+// Cuts the set into as many parts as there are processes, of about equal work, each a run along the
+// curve of the frame (part_cuts.hpp); arranges the one with this number. Every process has all
+// spheres. Throws what arrange() throws.
 ArrangedPart arrange_part(const SphereSet& spheres, std::size_t number, std::size_t parts,
-                          Monitor* monitor);
+                          const ExactMeshOptions& options);
 
 }  // namespace vdwmesh

@@ -191,6 +191,63 @@ TEST(MeshTeam, PartsOfSetsUnlikeProteinsAreThoseOfOneProcess) {
   EXPECT_GT(in_parts, 15u);
 }
 
+bool fits(const SphereSet& spheres, const ExactMeshOptions& options) {
+  try {
+    mesh_union(spheres, options);
+    return true;
+  } catch (const LimitExceeded&) {
+    return false;
+  }
+}
+
+// The least memory limit with which one process makes the mesh, but for some percent.
+std::uint64_t least_limit(const SphereSet& spheres, ExactMeshOptions options) {
+  std::uint64_t low = 0, high = std::uint64_t{1} << 30;
+  while (high - low > low / 32 + 1) {
+    options.memory_limit = (low + high) / 2;
+    (fits(spheres, options) ? high : low) = options.memory_limit;
+  }
+  return high;
+}
+
+// How many of the members fail.
+std::size_t failures_by(std::size_t members, const SphereSet& spheres,
+                        const ExactMeshOptions& options) {
+  Meeting meeting(members);
+  std::vector<std::uint8_t> failed(members, 0);
+  std::vector<std::jthread> threads;
+  for (std::size_t number = 0; number < members; ++number) {
+    threads.emplace_back([&, number] {
+      Member member(meeting, number);
+      try {
+        mesh_union_by(member, nullptr, spheres, options);
+      } catch (const LimitExceeded&) {
+        failed[number] = 1;
+      }
+    });
+  }
+  threads.clear();
+  return static_cast<std::size_t>(std::ranges::count(failed, 1));
+}
+
+// 200 balls at one place are much work to arrange, and have the triangles of one. So the part of
+// the other member has nearly all triangles, and does not fit a limit that half of them fit; shares
+// of an arrangement of all balls are cut by the areas of patches.
+TEST(MeshTeam, MembersWhosePartsDoNotFitArrangeAllBalls) {
+  std::vector<Sphere> balls(200, {{0, 0, 0}, 1});
+  for (int i = 1; i < 40; ++i) balls.push_back({{10.0 * i, 0, 0}, 1});
+  const SphereSet spheres(balls);
+  ExactMeshOptions options;
+  options.edge_length = 2;
+  const std::uint64_t least = least_limit(spheres, options);
+  options.memory_limit = least * 13 / 20;
+  EXPECT_FALSE(fits(spheres, options));
+  EXPECT_EQ(failures_by(2, spheres, options), 0u);
+  // Half of the triangles do not fit: all members say so.
+  options.memory_limit = least * 2 / 5;
+  EXPECT_EQ(failures_by(2, spheres, options), 2u);
+}
+
 TEST(MeshTeam, OneBallAndMoreMembersThanBalls) {
   EXPECT_TRUE(expect_same_by(3, SphereSet({{{0, 0, 0}, 1.5}})));
   EXPECT_TRUE(expect_same_by(7, SphereSet({{{0, 0, 0}, 1.5}, {{1, 0.5, 0}, 1.5}})));

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <vector>
 
 #include "support/family_sets.hpp"
@@ -93,7 +94,7 @@ bool expect_whole_in_parts(const std::vector<Sphere>& balls, std::size_t parts) 
   for (std::uint32_t b = 0; b < whole.balls.ids.size(); ++b) ball_of[whole.balls.ids[b]] = b;
   AllParts all;
   for (std::size_t number = 0; number < parts; ++number) {
-    add_part(arrange_part(spheres, number, parts, nullptr), whole, ball_of, all);
+    add_part(arrange_part(spheres, number, parts, ExactMeshOptions()), whole, ball_of, all);
   }
   if (has_features(boundary)) {
     EXPECT_TRUE(all.has_features);
@@ -120,6 +121,48 @@ TEST(PartArrangement, PartsOfSetsUnlikeProteinsAreThoseOfTheWhole) {
 TEST(PartArrangement, OneBallAndMoreProcessesThanBalls) {
   EXPECT_TRUE(expect_whole_in_parts({{{0, 0, 0}, 1.5}}, 3));
   EXPECT_TRUE(expect_whole_in_parts({{{0, 0, 0}, 1.5}, {{1, 0.5, 0}, 1.5}, {{0, 0, 0}, 1}}, 7));
+}
+
+// The area that each part has of the boundary, as a fraction of all.
+std::vector<double> shares_of_area(const std::vector<Sphere>& balls, std::size_t parts) {
+  std::vector<double> shares;
+  for (std::size_t number = 0; number < parts; ++number) {
+    const ArrangedPart part = arrange_part(SphereSet(balls), number, parts, ExactMeshOptions());
+    const MeshShare::Run own = part.part.share.balls;
+    shares.push_back(0);
+    for (std::uint32_t b = own.first; b < own.second; ++b) {
+      shares.back() += part.arrangement.boundary.areas[b];
+    }
+  }
+  const double whole = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (double& share : shares) share /= whole;
+  return shares;
+}
+
+// Balls inside a block have no area, and as many balls beside it have all of theirs.
+TEST(PartArrangement, PartsHaveAboutEqualAreasAndNotEquallyManyBalls) {
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 1000; ++i) {
+    const double x = i % 10, y = i / 10 % 10, z = i / 100;
+    balls.push_back({{x, y, z}, 1.5});
+    if (i % 2 == 0) balls.push_back({{100 + 5 * x, 5 * y, 5 * z}, 1.5});
+  }
+  for (const std::size_t parts : {2u, 5u}) {
+    for (const double share : shares_of_area(balls, parts)) {
+      EXPECT_NEAR(share, 1.0 / static_cast<double>(parts), 0.2 / static_cast<double>(parts));
+    }
+  }
+}
+
+// The cells of a curve through so wide a cube are wider than all of the other balls.
+TEST(PartArrangement, ADistantBallLeavesNoPartEmpty) {
+  Dice dice(3);
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 600; ++i) {
+    balls.push_back({{dice.real(0, 30), dice.real(0, 30), dice.real(0, 30)}, 1.5});
+  }
+  balls.push_back({{1e6, 1e6, -1e6}, 1.5});
+  for (const double share : shares_of_area(balls, 4)) EXPECT_NEAR(share, 0.25, 0.06);
 }
 
 }  // namespace
