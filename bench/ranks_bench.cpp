@@ -330,15 +330,16 @@ class Bench {
     });
     const KeyRange range{begins[rank], rank + 1 < count ? begins[rank + 1] : kNoBrickKey};
     wanted.grid.given = model.grid;
-    wanted.frame = &frame;
-    stage("near", [&] { near = spheres_near(spheres_, model, range); });
-    stage("count", [&] {
-      part =
-          make_extractor(arguments_.backend)->count(SphereSet::view(near.spheres), range, wanted);
+    if (count > 1) wanted.frame = &frame;
+    stage("near", [&] {
+      if (count > 1) near = spheres_near(spheres_, model, range);
     });
-    const MeshSize own = part->size();
-    const MeshSize before{ranks_.sum_before(own.vertices), ranks_.sum_before(own.triangles)};
-    stage("emit", [&] { part->emit(before, made); });
+    stage("count", [&] {
+      const SphereSet chosen =
+          count > 1 ? SphereSet::view(near.spheres) : SphereSet::view(spheres_.spheres());
+      part = make_extractor(arguments_.backend)->count(chosen, range, wanted);
+    });
+    stage("emit", [&] { part->emit({}, made); });
   }
 
   Tally tally_of_whole() const {
@@ -358,10 +359,8 @@ class Bench {
   // Copies are dealt out to the ranks in turn.
   Tally tally_of_copies() const {
     const FieldModel model = make_field_model(FieldOptions(), make_grid(spheres_, options().grid));
-    const CellListFrame frame = frame_together(ranks_, spheres_, model);
     ExtractOptions wanted = options();
     wanted.grid.given = model.grid;
-    wanted.frame = &frame;
     const auto extractor = make_extractor(arguments_.backend);
     const auto first = static_cast<std::uint64_t>(ranks_.number());
     const auto step = static_cast<std::uint64_t>(ranks_.count());

@@ -1,14 +1,16 @@
 // Builds a cell list on the device, in the steps of CellList::rebuild(): the extents of the levels,
-// from which the host makes their cells (frame_of()); the canonical order, by a merge sort with the
-// comparison of canonical_order(); and a stable sort of the spheres in that order by cell. So every
-// list place holds the sphere that it holds on the host.
+// from which the host makes their cells (frame_of()), if these are not given; the canonical order,
+// by a merge sort with the comparison of canonical_order(); and a stable sort of the spheres in
+// that order by cell. So every list place holds the sphere that it holds on the host.
 #include <algorithm>
 #include <bit>
 #include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <string>
 
+#include "core/buffer.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/ordered_bits.cuh"
@@ -16,6 +18,7 @@
 #include "cuda/spheres/device_frames.cuh"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/field_list.hpp"
+#include "spheres/frame_fit.hpp"
 #include "spheres/level_extent.hpp"
 
 namespace vdwmesh {
@@ -198,26 +201,41 @@ CellListView view_of(const CellListFrame& frame, const LevelTable& table,
 
 ListToUpload prepare_list(const SphereSet& spheres, const FieldModel& model,
                           const CellListFrame* frame, Workspace& workspace) {
-  if (frame == nullptr && spheres.size() >= kSpheresWorthBuilding) return {spheres, {}};
-  return {spheres, field_list(spheres, model, frame, workspace)};
+  if (spheres.size() < kSpheresWorthBuilding) {
+    return {spheres, field_list(spheres, model, frame, workspace), frame};
+  }
+  if (frame != nullptr) {
+    Buffer<double> reach(spheres.size());
+    for_each_index(reach.size(),
+                   [&](std::size_t i) { reach[i] = field_reach(model, spheres[i].radius); });
+    require_fit(*frame, spheres, reach);
+  }
+  return {spheres, {}, frame};
 }
 
 DeviceCellList upload_list(const ListToUpload& list, const FieldModel& model,
                            const Stream& stream) {
   if (list.list) return {*list.list, stream.get()};
   const std::span<const Sphere> host = list.spheres.spheres();
-  const double least = std::ranges::min(host, {}, &Sphere::radius).radius;
+  const double least = join_blocks(
+      host.size(),
+      [&](std::size_t first, std::size_t end) {
+        return std::ranges::min(host.subspan(first, end - first), {}, &Sphere::radius).radius;
+      },
+      [](double& total, double part) { total = std::min(total, part); });
   const DeviceArray<Sphere> copy(host.size(), stream.get());
   upload_parts({{copy.data(), host.data(), copy.bytes()}}, stream);
-  return build_cell_list(copy.data(), host.size(), least, model, stream);
+  return build_cell_list(copy.data(), host.size(), least, model, stream, list.frame);
 }
 
 DeviceCellList build_cell_list(const Sphere* source, std::size_t count, double least_radius,
-                               const FieldModel& model, const Stream& stream) {
+                               const FieldModel& model, const Stream& stream,
+                               const CellListFrame* given) {
   const auto size = static_cast<std::uint32_t>(count);
   // field_reach() does not fall as the radius grows, so the least radius has the smallest reach.
-  const ListSource list{source, size, model, field_reach(model, least_radius)};
-  const CellListFrame frame = make_frame_on_device(list, stream);
+  const double smallest = given ? given->smallest_reach : field_reach(model, least_radius);
+  const ListSource list{source, size, model, smallest};
+  const CellListFrame frame = given ? *given : make_frame_on_device(list, stream);
   LevelTable table{};
   const std::uint32_t cells = number_cells(frame, table);
 

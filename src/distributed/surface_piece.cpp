@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,8 +21,9 @@
 namespace vdwmesh {
 namespace {
 
-// The run of bricks of this rank.
+// The run of bricks of this rank: all, if it is alone.
 KeyRange own_share(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model) {
+  if (ranks.count() == 1) return {};
   const auto rank = static_cast<std::size_t>(ranks.number());
   const auto count = static_cast<std::size_t>(ranks.count());
   std::vector<BrickArea> areas;
@@ -53,43 +55,45 @@ void check_memory(const MeshSize& size, const ExtractOptions& options, std::size
       ((mesh + beside) >> 20) + 1));
 }
 
-// The corners of triangles come as the last 32 bits of vertex numbers of the whole mesh. Returns
-// the lowest number that the triangles of this rank may name. If they name no more than 2^32
-// numbers from there on, the last bits tell the number.
-std::uint64_t lowest_named(const SurfacePart& part, std::uint64_t first_vertex) {
+// Throws LimitExceeded if the triangles of this rank may name more vertices than 32 bits tell
+// apart.
+void check_names(const SurfacePart& part) {
   const HaloVertices halo = part.halo();
   const std::uint64_t named = halo.before + part.size().vertices + halo.behind;
-  if (named > kMaxVertices) {
-    throw LimitExceeded(
-        fmt::format("{} vertices of a rank and around it are more than the {} that its triangles "
-                    "can name: more ranks or a larger --spacing would do",
-                    named, kMaxVertices));
-  }
-  return first_vertex - halo.before;
+  if (named <= kMaxVertices) return;
+  throw LimitExceeded(
+      fmt::format("{} vertices of a rank and around it are more than the {} that its triangles "
+                  "can name: more ranks or a larger --spacing would do",
+                  named, kMaxVertices));
 }
 
-// Gives the corners of triangles the local numbers of a SurfacePiece. The own vertices are one run
-// of numbers.
-void name_locally(std::uint64_t lowest, SurfacePiece& piece) {
+// Gives the corners of triangles the local numbers of a SurfacePiece. They come counted from the
+// first own vertex, modulo 2^32: own ones have their local numbers already. Most triangles have no
+// others, and these are only read.
+void name_locally(const HaloVertices& halo, SurfacePiece& piece) {
+  if (halo.before + halo.behind == 0) return;
   const auto [first, begin, own] = piece.numbers.runs().front();
-  const auto number_of = [=](std::uint32_t corner) { return number_from_name(corner, lowest); };
-  const auto is_own = [first = first, own = own](std::uint64_t number) {
-    return number - first < own;  // a lower number wraps around to a large difference
+  const auto number_of = [first = first, end = own + halo.behind](std::uint32_t corner) {
+    return corner < end ? first + corner : first - (kMaxVertices - corner);
   };
+  const auto is_own = [own = own](std::uint32_t corner) { return corner < own; };
   Buffer<Triangle>& triangles = piece.mesh.triangles;
+  const std::vector<std::size_t> at_border =
+      collect<std::size_t>(triangles.size(), [&](std::size_t t, std::vector<std::size_t>& found) {
+        const auto& [a, b, c] = triangles[t];
+        if (!(is_own(a) && is_own(b) && is_own(c))) found.push_back(t);
+      });
   piece.elsewhere =
-      collect<std::uint64_t>(triangles.size(), [&](std::size_t t, std::vector<std::uint64_t>& all) {
-        for (const std::uint32_t corner : triangles[t]) {
-          if (!is_own(number_of(corner))) all.push_back(number_of(corner));
+      collect<std::uint64_t>(at_border.size(), [&](std::size_t i, std::vector<std::uint64_t>& all) {
+        for (const std::uint32_t corner : triangles[at_border[i]]) {
+          if (!is_own(corner)) all.push_back(number_of(corner));
         }
       });
   sort_without_repeats(piece.elsewhere);
-  for_each_index(triangles.size(), [&](std::size_t t) {
-    for (std::uint32_t& corner : triangles[t]) {
-      const std::uint64_t number = number_of(corner);
-      const std::uint64_t local =
-          is_own(number) ? number - first : own + place_in(piece.elsewhere, number);
-      corner = static_cast<std::uint32_t>(local);
+  for_each_index(at_border.size(), [&](std::size_t i) {
+    for (std::uint32_t& corner : triangles[at_border[i]]) {
+      if (is_own(corner)) continue;
+      corner = static_cast<std::uint32_t>(own + place_in(piece.elsewhere, number_of(corner)));
     }
   });
 }
@@ -119,17 +123,25 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
     }
     model = make_field_model(options.field, make_grid(spheres, options.grid));
   });
-  const CellListFrame frame = frame_together(ranks, spheres, model);
+  CellListFrame frame;  // that of all spheres, which one rank makes for itself
+  options.frame = nullptr;
+  if (ranks.count() > 1) {
+    frame = frame_together(ranks, spheres, model);
+    options.frame = &frame;
+  }
   const KeyRange share = own_share(ranks, spheres, model);
   options.grid.given = model.grid;
-  options.frame = &frame;
   options.connectivity = Connectivity::triangles;
+  const bool is_whole = share.begin == 0 && share.end == kNoBrickKey;
   ChosenSpheres near;
   std::unique_ptr<SurfacePart> part;
   ranks.together([&] {
-    near = spheres_near(spheres, model, share);
-    part = make_extractor(backend)->count(SphereSet::view(near.spheres), share, options);
-    check_memory(part->size(), options, near.spheres.size());
+    if (!is_whole) near = spheres_near(spheres, model, share);
+    const SphereSet chosen =
+        SphereSet::view(is_whole ? spheres.spheres() : std::span<const Sphere>(near.spheres));
+    part = make_extractor(backend)->count(chosen, share, options);
+    check_memory(part->size(), options, chosen.size());
+    check_names(*part);
   });
   const MeshSize own = part->size();
   SurfacePiece piece;
@@ -138,11 +150,10 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   piece.first_triangle = ranks.sum_before(own.triangles);
   piece.whole = {piece.numbers.whole(), ranks.sum(own.triangles)};
   ranks.together([&] {
-    const MeshSize first{piece.numbers.runs().front().first, piece.first_triangle};
-    const std::uint64_t lowest = lowest_named(*part, first.vertices);
-    piece.stats = part->emit(first, piece.mesh);
-    name_locally(lowest, piece);
-    use_numbers_of_whole(near.ids, piece.mesh);
+    const HaloVertices halo = part->halo();
+    piece.stats = part->emit({0, piece.first_triangle}, piece.mesh);
+    name_locally(halo, piece);
+    if (!is_whole) use_numbers_of_whole(near.ids, piece.mesh);
   });
   add_up(ranks, piece.stats);
   piece.fallback = ranks.first_text(part->fallback);

@@ -1,13 +1,11 @@
-// Shares of a surface. Each rank samples the surface of some spheres (sample_surface()), which it
-// chooses by z alone, because the keys of bricks rise with z first. The samples of all ranks,
-// sorted by their bricks, are then cut into runs of equal area.
+// Shares of a surface. Each rank samples the surface of some spheres (sample_surface()). The
+// samples of all ranks, sorted by their bricks, are then cut into runs of equal area. The spheres
+// near a run are chosen by z alone, because the keys of bricks rise with z first.
 #include "distributed/surface_shares.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "distributed/layers.hpp"
 #include "extract/area_estimate.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/brick_search.hpp"
@@ -20,24 +18,6 @@ namespace {
 struct Slab {
   double lower, upper;
 };
-
-double farthest_reach(const SphereSet& spheres, const FieldModel& model) {
-  double reach = 0;
-  for (const Sphere& s : spheres.spheres()) reach = std::max(reach, field_reach(model, s.radius));
-  return reach;
-}
-
-// The interval in which the centres of these spheres lie; an empty one if there are none.
-template <class IsChosen>
-Slab slab_of(const SphereSet& spheres, const IsChosen& is_chosen) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  Slab slab{kFar, -kFar};
-  for (const Sphere& s : spheres.spheres()) {
-    if (!is_chosen(s)) continue;
-    slab = {std::min(slab.lower, s.center.z), std::max(slab.upper, s.center.z)};
-  }
-  return slab;
-}
 
 // Index of the brick that holds a coordinate, along one axis. Samples may lie beyond the grid.
 std::int32_t brick_along(double origin, double spacing, std::int64_t cells, double x) {
@@ -62,25 +42,11 @@ Slab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int6
 
 }  // namespace
 
-// The spheres of a part are those of some layers, which no other part samples. The spheres near
-// them are at hand too, because they cover parts of the surface; their own samples are thrown away.
 std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldModel& model,
                                        std::size_t part, std::size_t parts) {
-  const Layers layers(spheres, 2);
-  const std::size_t begin = layers.end_of(spheres.size() * part / parts),
-                    end = layers.end_of(spheres.size() * (part + 1) / parts);
-  const auto is_own = [&](const Sphere& s) {
-    const std::size_t layer = layers.layer_of(s);
-    return layer >= begin && layer < end;
-  };
-  const Slab own = slab_of(spheres, is_own);
-  const double margin = 2 * farthest_reach(spheres, model);
-  const ChosenSpheres near = choose(spheres, [&](SphereId, const Sphere& s) {
-    return s.center.z >= own.lower - margin && s.center.z <= own.upper + margin;
-  });
   std::vector<BrickArea> areas;
-  for (const auto& [sphere, point, area] : sample_surface(SphereSet(near.spheres), model)) {
-    if (is_own(near.spheres[sphere])) areas.push_back({key_at(model.grid, point), area});
+  for (const SurfaceSample& sample : sample_surface(spheres, model, part, parts)) {
+    areas.push_back({key_at(model.grid, sample.point), sample.area});
   }
   return areas;
 }

@@ -23,9 +23,8 @@ struct BrickArea {
   double area;        // Å², at least 0
 };
 
-// Where the surface is, estimated from a sample of the spheres with numbers `part` of `parts`:
-// those between two planes across z. The parts together are all spheres. Empty parts have no
-// surface.
+// Where the surface is, estimated from a sample of one of so many parts of the spheres. The parts
+// together are all spheres. Empty parts have no surface.
 std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldModel& model,
                                        std::size_t part, std::size_t parts);
 

@@ -6,7 +6,8 @@
 // - Blended field: every point of the isosurface belongs to the atom that contributes most there.
 //   Rays from the atom's centre find its part of the isosurface, and a change of variables from
 //   solid angle to area gives the part's area.
-// sample_surface() returns the points themselves.
+// sample_surface() returns the points themselves. It needs the spheres near those of the sample
+// only, which are found by one look at each sphere; a cell list of all would take much longer.
 #include "extract/area_estimate.hpp"
 
 #include <tbb/parallel_for.h>
@@ -15,12 +16,16 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 #include <vector>
 
+#include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
+#include "extract/blended/field_formulas.hpp"
 #include "extract/blended/field_sample.hpp"
 #include "extract/field_list.hpp"
 #include "spheres/cell_list.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -149,6 +154,67 @@ void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace 
   }
 }
 
+// Spheres of a sample, and those of the whole set that may reach them.
+class Surroundings {
+ public:
+  Surroundings(const SphereSet& spheres, const FieldModel& model,
+               const std::vector<SphereId>& sample) {
+    std::vector<Sphere> own;
+    std::vector<double> reach;
+    Box box = empty_box();
+    for (const SphereId id : sample) {
+      own.push_back(spheres[id]);
+      reach.push_back(field_reach(model, spheres[id].radius));
+      include(box, box_of({spheres[id].center, reach.back()}));
+    }
+    const SphereSet own_set(std::move(own));
+    const CellList list(own_set, reach);
+    ids_ = collect<SphereId>(spheres.size(), [&](std::size_t i, std::vector<SphereId>& found) {
+      const Sphere& s = spheres[i];
+      const Box around = box_of({s.center, field_reach(model, s.radius)});
+      if (!overlap(around, box)) return;
+      const bool is_near =
+          visit_rows_near_box(list.view(), around.lower, around.upper,
+                              [](std::uint32_t first, std::uint32_t end) { return first < end; });
+      if (is_near) found.push_back(static_cast<SphereId>(i));
+    });
+    std::vector<Sphere> near;
+    for (const SphereId id : ids_) near.push_back(spheres[id]);
+    list_ = make_field_list(SphereSet(std::move(near)), model);
+    for (std::uint32_t i = 0; i < list_.view().size; ++i) {
+      const ListPlace place{i};
+      if (std::ranges::binary_search(sample, id_at(place))) places_.push_back(place);
+    }
+  }
+
+  const CellListView& list() const { return list_.view(); }
+  // The places of the sample in the list, ascending, and the number of a place's sphere in the set.
+  const std::vector<ListPlace>& places() const { return places_; }
+  SphereId id_at(ListPlace place) const { return ids_[list_.view().id[place]]; }
+
+ private:
+  static bool overlap(const Box& a, const Box& b) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (a.upper[axis] < b.lower[axis] || b.upper[axis] < a.lower[axis]) return false;
+    }
+    return true;
+  }
+
+  std::vector<SphereId> ids_;  // ascending
+  CellList list_;
+  std::vector<ListPlace> places_;
+};
+
+// At most `most` of the numbers from `first` to `end`, evenly spaced, ascending.
+std::vector<SphereId> evenly_chosen(std::uint64_t first, std::uint64_t end, std::uint64_t most) {
+  const std::uint64_t all = end - first, count = std::min(all, most);
+  std::vector<SphereId> chosen;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    chosen.push_back(static_cast<SphereId>(first + i * all / count));
+  }
+  return chosen;
+}
+
 }  // namespace
 
 double estimate_area(const SphereSet& spheres) {
@@ -168,21 +234,28 @@ double estimate_area(const SphereSet& spheres, const FieldModel& model) {
   });
 }
 
-std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldModel& model) {
+std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldModel& model,
+                                          std::size_t part, std::size_t parts) {
   constexpr std::uint64_t kSpheres = 2048, kPoints = 16384;
   constexpr std::uint64_t kFewestPoints = 8, kMostPoints = 256;  // of one sphere
-  if (spheres.empty()) return {};
-  const CellList list = make_field_list(spheres, model);
-  const std::uint64_t sampled = std::min<std::uint64_t>(spheres.size(), kSpheres);
-  const auto points = static_cast<int>(std::clamp(kPoints / sampled, kFewestPoints, kMostPoints));
-  const double weight = static_cast<double>(spheres.size()) / static_cast<double>(sampled);
-  std::vector<std::vector<SurfaceSample>> of_sphere(sampled);
-  tbb::parallel_for(std::uint64_t{0}, sampled, [&](std::uint64_t i) {
-    const auto own = static_cast<ListPlace>(i * spheres.size() / sampled);
-    sample_sphere(list.view(), model, own, points, weight, of_sphere[i]);
+  const std::uint64_t first = spheres.size() * part / parts,
+                      end = spheres.size() * (part + 1) / parts;
+  const std::vector<SphereId> sample = evenly_chosen(first, end, kSpheres);
+  if (sample.empty()) return {};
+  const auto points =
+      static_cast<int>(std::clamp(kPoints / sample.size(), kFewestPoints, kMostPoints));
+  const double weight = static_cast<double>(end - first) / static_cast<double>(sample.size());
+  const Surroundings near(spheres, model, sample);
+  std::vector<std::vector<SurfaceSample>> of_sphere(near.places().size());
+  tbb::parallel_for(std::size_t{0}, of_sphere.size(), [&](std::size_t i) {
+    sample_sphere(near.list(), model, near.places()[i], points, weight, of_sphere[i]);
   });
   std::vector<SurfaceSample> all;
-  for (const auto& samples : of_sphere) all.insert(all.end(), samples.begin(), samples.end());
+  for (std::size_t i = 0; i < of_sphere.size(); ++i) {
+    for (const SurfaceSample& found : of_sphere[i]) {
+      all.push_back({near.id_at(near.places()[i]), found.point, found.area});
+    }
+  }
   return all;
 }
 

@@ -30,10 +30,12 @@ struct SurfaceSample {
   double area;  // Å²
 };
 
-// Some ten thousand points of the surface, from at most 2048 of the spheres. The sum of the areas
-// estimates the area of the surface: it is within some 10 % of it for sets of spheres of like size.
-// The samples show where the surface is, which helps to divide work and nothing else. The same set
-// always gives the same samples, in the same order. For an empty set there are none.
-std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldModel& model);
+// Some ten thousand points of the surface, on at most 2048 of the spheres with numbers from
+// size * part / parts to size * (part + 1) / parts. The sum of the areas of all parts estimates the
+// area of the surface: it is within some 10 % of it for sets of spheres of like size. The samples
+// show where the surface is, which helps to divide work and nothing else. The same set always gives
+// the same samples, in the same order. For an empty part there are none.
+std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldModel& model,
+                                          std::size_t part, std::size_t parts);
 
 }  // namespace vdwmesh

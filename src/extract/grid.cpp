@@ -56,6 +56,7 @@ void check(const GridSpec& grid) {
 
 GridSpec make_grid(const SphereSet& spheres, const GridOptions& options) {
   if (spheres.empty()) throw InvalidInput("no spheres: there is nothing to put a grid around");
+  if (options.given) return make_grid(Box{}, Box{}, options);  // no box is looked at
   return make_grid(bounding_box(spheres), center_bounding_box(spheres), options);
 }
 

@@ -15,9 +15,11 @@
 #include <limits>
 
 #include "core/bins.hpp"
+#include "core/blocks.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/stable_groups.hpp"
+#include "spheres/frame_fit.hpp"
 #include "spheres/level_extent.hpp"
 
 namespace vdwmesh {
@@ -61,6 +63,18 @@ bool takes(const CellLevel& level, const Vec3d& center, double reach) {
   return reach <= level.reach;
 }
 
+// Whether a sphere fits its level of the frame.
+bool takes(const CellListFrame& frame, const Sphere& s, double reach) {
+  const auto level = static_cast<std::size_t>(level_of(reach, frame.smallest_reach));
+  return level < frame.levels.size() && takes(frame.levels[level], s.center, reach);
+}
+
+void check_levels(const CellListFrame& frame) {
+  if (frame.levels.size() <= CellListView::kMaxLevels) return;
+  throw InvalidInput(fmt::format("the frame has {} levels, at most {} fit", frame.levels.size(),
+                                 CellListView::kMaxLevels));
+}
+
 [[noreturn]] void throw_beyond_frame(std::size_t sphere) {
   throw InvalidInput(fmt::format(
       "sphere {}: lies beyond the cells of the given frame, or reaches farther than they allow: "
@@ -69,6 +83,14 @@ bool takes(const CellLevel& level, const Vec3d& center, double reach) {
 }
 
 }  // namespace
+
+void require_fit(const CellListFrame& frame, const SphereSet& spheres,
+                 std::span<const double> reach) {
+  check_levels(frame);
+  const auto misfit = first_of_all(
+      spheres.size(), [&](std::size_t i) { return !takes(frame, spheres[i], reach[i]); });
+  if (misfit) throw_beyond_frame(*misfit);
+}
 
 CellListFrame frame_of(std::span<const LevelExtent> extents, double smallest_reach) {
   CellListFrame frame;
@@ -131,10 +153,7 @@ void CellList::rebuild(const SphereSet& spheres, std::span<const double> reach) 
 
 void CellList::rebuild(const SphereSet& spheres, std::span<const double> reach,
                        const CellListFrame& frame) {
-  if (frame.levels.size() > CellListView::kMaxLevels) {
-    throw InvalidInput(fmt::format("the frame has {} levels, at most {} fit", frame.levels.size(),
-                                   CellListView::kMaxLevels));
-  }
+  check_levels(frame);
   view_ = {};
   if (spheres.empty()) return;
   canonical_order(spheres, order_);
@@ -165,10 +184,7 @@ CellList::Members CellList::choose_levels(const SphereSet& spheres, std::span<co
       const auto number = static_cast<std::size_t>(level);
       level_of_rank_[rank] = static_cast<std::uint8_t>(level);
       ++members.of_level[number];
-      if (members.misfit == kNoSphere &&
-          (number >= frame.levels.size() ||
-           !takes(frame.levels[number], spheres[i].center, reach[i])))
-        members.misfit = i;
+      if (members.misfit == kNoSphere && !takes(frame, spheres[i], reach[i])) members.misfit = i;
     }
     return members;
   };

@@ -28,17 +28,25 @@ namespace {
 // The smallest box around balls at the spheres' centres with the radii reach(sphere).
 template <class Reach>
 Box bounds(const SphereSet& spheres, Reach reach) {
-  const double first = reach(spheres[0]);
-  const Vec3d& c0 = spheres[0].center;
-  Box box{{c0.x - first, c0.y - first, c0.z - first}, {c0.x + first, c0.y + first, c0.z + first}};
-  for (const Sphere& s : spheres.spheres()) {
-    const double r = reach(s);
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lower[axis] = std::min(box.lower[axis], s.center[axis] - r);
-      box.upper[axis] = std::max(box.upper[axis], s.center[axis] + r);
+  const auto box_of_block = [&](std::size_t first, std::size_t end) {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+    for (std::size_t i = first; i < end; ++i) {
+      const Sphere& s = spheres[i];
+      const double r = reach(s);
+      for (int axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = std::min(box.lower[axis], s.center[axis] - r);
+        box.upper[axis] = std::max(box.upper[axis], s.center[axis] + r);
+      }
     }
-  }
-  return box;
+    return box;
+  };
+  return join_blocks(spheres.size(), box_of_block, [](Box& total, const Box& part) {
+    for (int axis = 0; axis < 3; ++axis) {
+      total.lower[axis] = std::min(total.lower[axis], part.lower[axis]);
+      total.upper[axis] = std::max(total.upper[axis], part.upper[axis]);
+    }
+  });
 }
 
 void check(std::span<const Sphere> spheres) {

@@ -18,6 +18,9 @@ namespace {
 class ExtractorParts : public ExtractorFieldContract {
  protected:
   std::unique_ptr<Extractor> extractor() const { return make_extractor(std::get<0>(GetParam())); }
+
+  void expect_parts_of_rod(int of_piece, double pitch, double spacing);
+  void expect_refusals_beyond_frame(int spheres);
 };
 
 ExtractOptions with_half_edges(ExtractOptions options) {
@@ -235,14 +238,14 @@ TEST_P(ExtractorParts, AGridWithoutSenseIsRefused) {
 
 // A process that has only the spheres near its range, with the grid and the frame of all, makes the
 // same part: the sums of a blended field run in the same order there.
-TEST_P(ExtractorParts, SpheresFarFromARangeAreNotNeeded) {
+void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spacing) {
   std::vector<Sphere> rod;
   for (unsigned k = 0; k < 12; ++k) {
-    const SphereSet piece = translated(cluster(60, 18 + k), {0.3 * k, -0.2 * k, 7.3 * k});
+    const SphereSet piece = translated(cluster(of_piece, 18 + k), {0.3 * k, -0.2 * k, pitch * k});
     rod.insert(rod.end(), piece.spheres().begin(), piece.spheres().end());
   }
   const SphereSet spheres(rod);
-  ExtractOptions options = with_half_edges(at_spacing(0.6));
+  ExtractOptions options = with_half_edges(at_spacing(spacing));
   const ExtractResult whole = extract(spheres, options);
   options.grid.given = whole.grid;
   const FieldModel model = make_field_model(options.field, whole.grid);
@@ -282,8 +285,13 @@ TEST_P(ExtractorParts, SpheresFarFromARangeAreNotNeeded) {
   EXPECT_LT(fewest, spheres.size() / 2) << "the parts had nearly all spheres";
 }
 
-TEST_P(ExtractorParts, ASphereBeyondTheFrameIsRefused) {
-  const SphereSet some = cluster(20, 19);
+TEST_P(ExtractorParts, SpheresFarFromARangeAreNotNeeded) { expect_parts_of_rod(60, 7.3, 0.6); }
+
+// A device makes the cell list of so many spheres by itself, in the cells that it is given.
+TEST_P(ExtractorParts, ManySpheresFarFromARangeAreNotNeeded) { expect_parts_of_rod(5000, 28, 1.5); }
+
+void ExtractorParts::expect_refusals_beyond_frame(int spheres) {
+  const SphereSet some = cluster(spheres, 19);
   ExtractOptions options = at_spacing(0.5);
   const FieldModel model = make_field_model(options.field, make_grid(some, options.grid));
   const CellListFrame frame = make_field_frame(some, model);
@@ -294,6 +302,11 @@ TEST_P(ExtractorParts, ASphereBeyondTheFrameIsRefused) {
   more.back() = {some[0].center, 1000};
   options.grid.spacing = 200;
   EXPECT_THROW(extract(SphereSet(more), options), InvalidInput);
+}
+
+TEST_P(ExtractorParts, ASphereBeyondTheFrameIsRefused) {
+  expect_refusals_beyond_frame(20);
+  expect_refusals_beyond_frame(9000);
 }
 
 // ---- a workspace ----

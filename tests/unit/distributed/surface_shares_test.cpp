@@ -7,6 +7,9 @@
 #include <numbers>
 #include <random>
 
+#include "arrangement/exact_union.hpp"
+#include "extract/area_estimate.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -54,6 +57,30 @@ TEST(EstimateBricks, ThePartsTogetherAreTheWholeSurface) {
       }
     }
     EXPECT_NEAR(area, expected, kRounding * expected) << parts;
+  }
+}
+
+// Each part looks only at the spheres near its own; what they cover must not count.
+TEST(EstimateBricks, PartsKnowWhatTheOthersCover) {
+  std::mt19937 random(5);
+  std::vector<Sphere> balls;
+  const auto number = [&](double most) { return most * static_cast<double>(random()) / 0x1p32; };
+  for (int i = 0; i < 3000; ++i) {
+    balls.push_back({{number(40), number(40), number(40)}, 1 + number(1)});
+  }
+  const SphereSet spheres(balls);
+  const double expected = exact_union(spheres).area;
+  for (const std::size_t parts : {1u, 3u}) {
+    double area = 0;
+    for (std::size_t part = 0; part < parts; ++part) {
+      for (const SurfaceSample& s : sample_surface(spheres, union_on(spheres, 0.5), part, parts)) {
+        area += s.area;
+        for (const Sphere& ball : balls) {
+          EXPECT_GE(norm(s.point - ball.center), ball.radius * (1 - 1e-9));
+        }
+      }
+    }
+    EXPECT_NEAR(area, expected, 0.1 * expected) << parts;  // as sample_surface() promises
   }
 }
 

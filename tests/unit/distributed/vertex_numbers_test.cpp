@@ -5,24 +5,10 @@
 
 #include <array>
 
-#include "distributed/sorted_numbers.hpp"
-
 namespace vdwmesh {
 namespace {
 
 constexpr std::uint64_t kNames = std::uint64_t{1} << 32;
-
-// From the lowest vertex that a piece names to the highest one that it can tell from it.
-TEST(VertexNumbers, FollowFromNames) {
-  for (const std::uint64_t lowest : {std::uint64_t{0}, std::uint64_t{7}, kNames - 1, kNames,
-                                     3 * kNames - 5, 3 * kNames + kNames / 2}) {
-    for (const std::uint64_t above :
-         {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{6}, kNames / 2, kNames - 1}) {
-      const std::uint64_t number = lowest + above;
-      EXPECT_EQ(number_from_name(static_cast<std::uint32_t>(number % kNames), lowest), number);
-    }
-  }
-}
 
 // Three generations of four ranks, of which one has no vertices at first and another none later.
 constexpr std::array<std::array<std::uint64_t, 4>, 3> kCounts = {
