@@ -345,6 +345,17 @@ void read_piece(Piece& piece, std::vector<AtomRecord>& atoms) {
   });
 }
 
+// Throws if a line of the first piece is at fault. A file of something else shows it here mostly,
+// before records are made for all of its lines: these take 72 bytes each, and a line may have two.
+void check_first(const Piece& piece, std::string_view text, const std::string& path) {
+  std::size_t faulty = Piece::kNoLine;
+  for_each_sphere(piece.text, [&](std::size_t index, std::string_view line) {
+    AtomRecord record;
+    if (faulty == Piece::kNoLine && !take_sphere(line, record)) faulty = index;
+  });
+  if (faulty != Piece::kNoLine) refuse_sphere(text, faulty, path);
+}
+
 }  // namespace
 
 ParsedFile parse_pqr(std::string_view text, const std::string& path) {
@@ -371,6 +382,7 @@ ParsedFile parse_xyzr(std::string_view text, const std::string& path) {
   Builder builder(path, "xyzr");
   builder.begin_model("1");
   std::vector<Piece> pieces = cut(text);
+  if (!pieces.empty()) check_first(pieces.front(), text, path);
   const std::size_t count = number_pieces(pieces);
   if (count == 0)
     throw FileFormatError(path + ": has no line with x y z radius, so there is nothing to mesh");

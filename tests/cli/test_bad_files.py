@@ -3,6 +3,7 @@
 import concurrent.futures
 import math
 import os
+import subprocess
 import unittest
 
 import program
@@ -53,6 +54,20 @@ class Structures(BadFiles):
     def test_plain(self):
         for extension in structures.FORMATS:
             self.check_structures(structures.damages(extension, SAMPLE))
+
+    def test_a_faulty_first_line_takes_no_memory_for_the_others(self):
+        """A list of spheres takes 72 bytes a line while it is read, which is 36 times a text of such lines."""
+        text = b"1\n" * 20_000_000
+        path = self.folder / "a.xyzr"
+        path.write_bytes(text)
+        process = subprocess.Popen([program.PROGRAM, "exact", path], stderr=subprocess.PIPE, text=True)
+        message = process.stderr.read()
+        process.stderr.close()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, program.BAD_INPUT, message)
+        self.assertIn("a.xyzr:1: has 1 fields", message)
+        self.assertLess(usage.ru_maxrss * 1024, 6 * len(text) + 100e6)
 
     def test_packed(self):
         for extension in structures.FORMATS:
