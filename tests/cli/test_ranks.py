@@ -460,6 +460,27 @@ class Faults(RanksTest):
         exact = ("exact", self.file("a.xyzr", FLAT), "--memory-limit", "250K")
         self.assert_all_end(LIMIT_HIT, *exact, ranks=1, says=("more ranks", "--memory-limit 1M"))
 
+    def run_with_failing_allocation(self, number):
+        """Three ranks, of which the second one finds no memory at that allocation; 0 counts them."""
+        library = os.environ["VDWMESH_FAIL_ALLOCATION"]
+        to = f"{number}.ply"
+        start = command(3, *self.mesh("--mesher", "exact", "--edge-length", "0.8", "--threads", "1", "--quiet", to=to))
+        place = start.index(RANKS_PROGRAM)
+        start[place:place] = ["env", f"LD_PRELOAD={library}", *([f"FAIL_ALLOCATION={number}"] if number else [])]
+        return subprocess.run(start, capture_output=True, text=True, timeout=120, env=ENVIRONMENT)
+
+    def test_a_rank_without_memory_ends_all(self):
+        """At a dozen places of the run."""
+        counted = self.run_with_failing_allocation(0)
+        count = int(re.fullmatch(r"allocations: (\d+)\n", counted.stderr)[1])
+        (self.folder / "0.ply").unlink()
+        numbers = [count * part // 100 for part in range(20, 98, 7)]
+        for number, result in zip(numbers, at_once(functools.partial(self.run_with_failing_allocation, n) for n in numbers)):
+            with self.subTest(allocation=number, of=count):
+                self.assertEqual(result.returncode, LIMIT_HIT, result.stderr)
+                self.assertRegex(result.stderr, r"\Avdwmesh-mpi: [^\n]*out of memory[^\n]*\n\Z")
+        self.assertEqual(self.files(), [])
+
     def assert_full_disk_ends_all(self, rank, says, to="a.ply"):
         """The size of files is limited for one rank of three; the others end with it."""
         limited = f'if [ "$OMPI_COMM_WORLD_RANK" = {rank} ]; then ulimit -f 100; trap "" XFSZ; fi; exec "$@"'
