@@ -35,17 +35,13 @@ void warn_of_lost_components(std::uint64_t in_union, Report& report) {
           : ": pieces are joined or missing"));
 }
 
-// Whether a device is to measure the union: by arcs, all spheres, without a certificate and without
-// topology, and if the choice is automatic, only where that saves time. Throws BackendUnavailable
-// if a device is asked for and there is none.
+// Whether a device is to measure the union: if it can, and if the choice is automatic, only where
+// that saves time. Throws BackendUnavailable if a device is asked for and there is none.
 bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
-                  bool all_are_measured) {
+                  const MeasuredSpheres& measured) {
   const Backend requested = session.machine.backend;
   if (requested == Backend::cuda) resolve(requested);
-  if (options.method != UnionMethod::arcs || options.topology != TopologyRequest::none ||
-      options.certify == Switch::on || !all_are_measured) {
-    return false;
-  }
+  if (needs_cpu(options, measured)) return false;
   const auto& mesher = session.report.backend;
   const bool is_started = mesher && mesher->used == Backend::cuda;
   if (requested == Backend::automatic && !is_started && spheres.size() < kBallsWorthADevice) {
@@ -70,15 +66,25 @@ void measure_by_arcs(const SphereSet& spheres, Session& session) {
 
 }  // namespace
 
+bool needs_cpu(const ExactOptions& options, const MeasuredSpheres& measured) {
+  return options.method != UnionMethod::arcs || options.topology != TopologyRequest::none ||
+         options.certify == Switch::on || measured;
+}
+
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
-                     const std::optional<std::vector<SphereId>>& measured) {
-  Report& report = session.report;
-  if (wants_device(spheres, options, session, !measured)) {
-    report.exact.emplace();
+                     const MeasuredSpheres& measured) {
+  if (wants_device(spheres, options, session, measured)) {
+    session.report.exact.emplace();
     measure_by_arcs(spheres, session);
-    session.end_stage(&Timing::exact);
-    return;
+  } else {
+    measure_on_cpu(spheres, options, session, measured);
   }
+  session.end_stage(&Timing::exact);
+}
+
+void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Session& session,
+                    const MeasuredSpheres& measured) {
+  Report& report = session.report;
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
   wanted.topology = options.topology;
   wanted.certify = options.certify == Switch::on;
@@ -87,7 +93,6 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   exact_union_into(*report.exact, spheres, wanted);
   if (options.topology != TopologyRequest::full) report.exact->topology.reset();
   if (options.topology == TopologyRequest::none) report.exact->counts.reset();
-  session.end_stage(&Timing::exact);
 }
 
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {
@@ -151,14 +156,18 @@ std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& sph
   return {measured.result.begin(), measured.result.end()};
 }
 
+TakenDistances take_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                              const DistanceChoice& choice, const Session& session) {
+  const DistanceBackend chosen = choose_for_distances(mesh.triangle_count(), session);
+  return {chosen, measure_on(chosen.backend, mesh, spheres, choice, session)};
+}
+
 namespace {
 
-// Measures the distances and says which backend did, and why.
-void add_distances(const IndexedMesh& mesh, const SphereSet& spheres, const DistanceChoice& choice,
-                   Session& session) {
+// Adds the distances and says which backend measured them, and why.
+void add_distances(const TakenDistances& taken, Session& session) {
   ComparisonReport& comparison = *session.report.comparison;
-  const DistanceBackend chosen = choose_for_distances(mesh.triangle_count(), session);
-  const MeasuredDistances measured = measure_on(chosen.backend, mesh, spheres, choice, session);
+  const auto& [chosen, measured] = taken;
   comparison.distances = measured.result;
   comparison.distances_reason = chosen.reason;
   comparison.distances_backend = chosen.backend == Backend::cpu ? Backend::cpu : Backend::cuda;
@@ -203,9 +212,16 @@ std::optional<AtomErrors> atom_errors(const IndexedMesh& mesh, const Molecule& m
 
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, Session& session) {
+  std::optional<TakenDistances> taken;
+  if (choice.distances == Switch::on) taken = take_distances(mesh, spheres, choice, session);
+  compare_with_exact(spheres, taken, session);
+}
+
+void compare_with_exact(const SphereSet& spheres, const std::optional<TakenDistances>& taken,
+                        Session& session) {
   Report& report = session.report;
   report.comparison.emplace(compare(report.mesh->topology, report.mesh->measures, *report.exact));
-  if (choice.distances == Switch::on) add_distances(mesh, spheres, choice, session);
+  if (taken) add_distances(*taken, session);
   const auto& counts = report.exact->counts;
   warn_of_lost_components(counts ? counts->components : count_components(spheres), report);
   session.end_stage(&Timing::compare);

@@ -9,9 +9,18 @@
 
 namespace vdwmesh::apps {
 
-// Measures the union exactly. `measured` has the meaning of UnionOptions::measured.
+// The spheres that are measured, as UnionOptions::measured; empty: all of them.
+using MeasuredSpheres = std::optional<std::vector<SphereId>>;
+
+// Measures the union exactly.
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
-                     const std::optional<std::vector<SphereId>>& measured = std::nullopt);
+                     const MeasuredSpheres& measured = std::nullopt);
+// Whether only the CPU can: a device measures all spheres by arcs, without a certificate and
+// without topology.
+bool needs_cpu(const ExactOptions& options, const MeasuredSpheres& measured);
+// Measures on the CPU, and does not end the stage.
+void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Session& session,
+                    const MeasuredSpheres& measured);
 
 // Writes the table of voids if --voids names a file. Precondition: the exact union is in the
 // report.
@@ -38,10 +47,21 @@ MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& sp
 std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& spheres,
                                    Session& session);
 
+// Distances, and what backend was chosen for them.
+struct TakenDistances {
+  DistanceBackend chosen;
+  MeasuredDistances measured;
+};
+TakenDistances take_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                              const DistanceChoice& choice, const Session& session);
+
 // Compares the mesh with the exact union and measures the distances between them. Precondition:
 // both are in the report.
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, Session& session);
+// The same with distances that were measured before, if they were wanted.
+void compare_with_exact(const SphereSet& spheres, const std::optional<TakenDistances>& taken,
+                        Session& session);
 
 // Adds what proves a crease-exact mesh: its topology, its areas of atoms and its extrapolated
 // figures beside the exact ones. Does nothing for other meshes. Precondition: mesh, exact union and

@@ -90,7 +90,7 @@ class Estimate {
     const std::uint64_t built =
         d_.build == Switch::on ? surface_mesh_bytes(mesh, d_.connectivity) : 0;
     if (mesh.triangles > 0 && d_.measures == Switch::on) {
-      look_at(mesh, held + (d_.early == Switch::on ? built : 0));
+      look_at(mesh, held + (d_.early == Switch::on ? built : 0) + beside_measures(mesh));
     }
     if (d_.build == Switch::on) take("build", held + built);
     if (d_.exact) take("exact union", held + union_bytes(d_.spheres, *d_.exact, d_.exposed));
@@ -116,8 +116,19 @@ class Estimate {
       take("refine", static_cast<std::uint64_t>(kRefineSlack * static_cast<double>(bytes)));
     }
     mesh = subdivided(mesh, levels);
-    take("mesh", mesh_bytes(d_, mesh));
+    take("mesh", mesh_bytes(d_, mesh) + beside_mesh());
     return mesh;
+  }
+
+  // Of the exact union, while a device makes the mesh.
+  std::uint64_t beside_mesh() const {
+    return d_.beside == Switch::on && d_.exact ? union_bytes(d_.spheres, *d_.exact, d_.exposed) : 0;
+  }
+  // Of the distances, while the mesh is measured. If the device has too little memory for them, the
+  // CPU measures them.
+  std::uint64_t beside_measures(const MeshSize& mesh) const {
+    if (d_.beside != Switch::on || d_.distances != Switch::on) return 0;
+    return union_result() + distances_bytes(mesh, d_.spheres);
   }
 
   // Stages that look at the finished mesh, one after the other, which is why their needs do not add
@@ -301,6 +312,7 @@ std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres
                                   std::uint64_t limit) {
   if (const auto bytes = bytes_if_all_buried(demand, spheres.size(), limit)) return *bytes;
   fill_in(spheres, demand);
+  if (demand.beside == Switch::on && !fits(demand, limit)) demand.beside = Switch::off;
   if (demand.early == Switch::on && !fits(demand, limit)) demand.early = Switch::off;
   return check_memory(demand, limit);
 }
@@ -316,6 +328,7 @@ void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const In
   if (demand.spheres == 0) fill_in(spheres, demand);
   demand.mesh = {mesh.vertex_count(), mesh.triangle_count()};
   if (!demand.surface) demand.mesh_bytes = indexed_mesh_bytes(mesh);
+  if (demand.beside == Switch::on && !fits(demand, limit)) demand.beside = Switch::off;
   check_memory(demand, limit);
 }
 

@@ -221,8 +221,24 @@ Structure load(const InputOptions& options, Session& session) {
   return {std::move(molecule), std::move(spheres)};
 }
 
-IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
-                      const MeshRequest& request) {
+// To make a device current starts it. Of crease-exact meshes only large ones are made on a device
+// that was not asked for.
+std::future<void> start_device(const MachineOptions& machine, const SurfaceOptions& surface) {
+  const bool is_asked_for = machine.backend == Backend::cuda;
+  const bool is_likely =
+      machine.backend == Backend::automatic && surface.mesher == Mesher::marching_cubes;
+  if (!is_asked_for && !is_likely) return {};
+  return std::async(std::launch::async, [] {
+    try {
+      share_devices(0);
+    } catch (const std::exception&) {
+      // The main thread meets the same failure, and says so.
+    }
+  });
+}
+
+IndexedMesh make_mesh_untimed(const SphereSet& spheres, const SurfaceOptions& surface,
+                              Session& session, const MeshRequest& request) {
   Report& report = session.report;
   const Backend requested = session.machine.backend;
   report.backend = describe_backend(requested, resolve(requested));
@@ -230,9 +246,14 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
   report.backend->devices = devices_for(surface, session);
   RefineOptions refine = refine_options(surface, session);
   refine.on_level = request.on_level;
-  IndexedMesh mesh = surface.mesher == Mesher::exact
-                         ? mesh_crease_exact(spheres, surface, refine, report)
-                         : mesh_field(spheres, surface, request, refine, report);
+  return surface.mesher == Mesher::exact ? mesh_crease_exact(spheres, surface, refine, report)
+                                         : mesh_field(spheres, surface, request, refine, report);
+}
+
+IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
+                      const MeshRequest& request) {
+  IndexedMesh mesh = make_mesh_untimed(spheres, surface, session, request);
+  Report& report = session.report;
   // The time that record_levels() took is of a stage of its own, Timing::levels.
   const StageTime lap = session.clock.lap();
   const StageTime observed = report.timing.levels.value_or(StageTime{});
@@ -285,16 +306,22 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
   session.end_stage(&Timing::cgal_check);
 }
 
-void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session) {
-  Report& report = session.report;
+void examine_untimed(const IndexedMesh& mesh, Session& session) {
   begin_stage(session.monitor, "measure", 1);
-  if (!report.mesh) report.mesh.emplace();
-  MeshReport& result = *report.mesh;
-  static_cast<MeshExamination&>(result) = examine(mesh);
+  if (!session.report.mesh) session.report.mesh.emplace();
+  static_cast<MeshExamination&>(*session.report.mesh) = examine(mesh);
   advance(session.monitor, 1);
+}
+
+void self_intersections_untimed(const IndexedMesh& mesh, Session& session) {
+  session.report.mesh->self_intersections = self_intersections(mesh, session.monitor);
+}
+
+void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session) {
+  examine_untimed(mesh, session);
   session.end_stage(&Timing::measure);
   if (wanted == SelfIntersections::skip) return;
-  result.self_intersections = self_intersections(mesh, session.monitor);
+  self_intersections_untimed(mesh, session);
   session.end_stage(&Timing::self_intersections);
 }
 

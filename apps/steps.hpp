@@ -1,6 +1,7 @@
 // The steps that verbs are made of. Each fills its part of the report.
 #pragma once
 
+#include <future>
 #include <optional>
 #include <vector>
 
@@ -42,10 +43,19 @@ struct MeshRequest {
   MeshSizeObserver on_size = {};  // of marching cubes
 };
 
+// Starts the device that will make the mesh, if one will, on a thread of its own: that takes some
+// 0.2 s, in which the structure can be read. What fails is met again by who uses the device. The
+// destructor of the result waits for the end.
+[[nodiscard]] std::future<void> start_device(const MachineOptions& machine,
+                                             const SurfaceOptions& surface);
+
 // Extraction and refinement on the backend asked for. Throws InvalidInput when no grid node lies
 // inside the surface, so that the mesh would be empty.
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
                       const MeshRequest& request = {});
+// The same without ending the stage.
+IndexedMesh make_mesh_untimed(const SphereSet& spheres, const SurfaceOptions& surface,
+                              Session& session, const MeshRequest& request);
 
 // How a surface was meshed, with the values that hold, not those that were typed: a preset brings
 // its own. `grid` is of marching cubes.
@@ -68,8 +78,11 @@ BackendReport describe_backend(Backend requested, Backend used);
 // the pipeline says it; nothing is done where it is empty.
 void account_for_fallback(const std::string& fallback, Report& report);
 
-// Topology, measures and quality of the mesh.
+// Topology, measures and quality of the mesh; then its self-intersections, if wanted.
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Session& session);
+// Both halves of measure(), which do not end their stages.
+void examine_untimed(const IndexedMesh& mesh, Session& session);
+void self_intersections_untimed(const IndexedMesh& mesh, Session& session);
 
 // Size, measures and quality of the mesh at each level of a refinement but the last, for
 // make_mesh(): the last level is the finished mesh. Then, once that is measured, adds it to the

@@ -3,6 +3,7 @@
 // for the half-edges meanwhile. The mesh is measured while its file is written, unless memory is
 // too little for both.
 #include <algorithm>
+#include <future>
 #include <string>
 #include <utility>
 #include <vector>
@@ -152,6 +153,7 @@ void write(Made& made, const Options& options, const Structure& structure, Sessi
 
 void run_mesh(const Options& options) {
   VerbSession session(options.machine);
+  const std::future<void> started = start_device(options.machine, options.surface);
   const Structure structure = load(options.inputs.front(), session);
   Made made;
   if (options.surface.kind == ExactSurface::excluded) {

@@ -1,5 +1,7 @@
 // `vdwmesh report`: makes the mesh and the exact surface and sets one beside the other. Nothing is
 // written but what was asked for: JSON, the table by atom, a picture of the distances.
+#include <future>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -49,10 +51,32 @@ void report_excluded(const Options& options, const Structure& structure, VerbSes
   session.deliver_report(options.output);
 }
 
+// What goes on beside the mesh: the exact union, which needs no mesh, if the CPU measures it, and
+// the distances, which need only the mesh. Both are in the report or in `distances` afterwards if
+// they were begun.
+Companions companions_of(const SphereSet& spheres, const Options& options,
+                         const MeasuredSpheres& measured, std::optional<TakenDistances>& distances,
+                         Session& session) {
+  Companions companions;
+  if (needs_cpu(options.exact, measured)) {
+    companions.while_made = {&Timing::exact,
+                             [&] { measure_on_cpu(spheres, options.exact, session, measured); }};
+  }
+  if (options.distances.distances == Switch::on) {
+    companions.while_measured = [&](const IndexedMesh& mesh) {
+      return StageWork{&Timing::compare, [&] {
+                         distances = take_distances(mesh, spheres, options.distances, session);
+                       }};
+    };
+  }
+  return companions;
+}
+
 }  // namespace
 
 void run_report(const Options& options) {
   VerbSession session(options.machine);
+  const std::future<void> started = start_device(options.machine, options.surface);
   const InputOptions& input = options.inputs.front();
   const Structure structure = load(input, session);
   if (options.surface.kind == ExactSurface::excluded) {
@@ -60,11 +84,18 @@ void run_report(const Options& options) {
     return;
   }
   const auto& [molecule, spheres] = structure;
+  const MeasuredSpheres measured = measured_spheres(molecule);
+  std::optional<TakenDistances> distances;
   const IndexedMesh mesh =
-      make_measured_mesh(spheres, with_edge_lengths(options, structure), session);
-  measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
+      make_measured_mesh(spheres, with_edge_lengths(options, structure), session,
+                         companions_of(spheres, options, measured, distances, session));
+  if (!session.report.exact) measure_exactly(spheres, options.exact, session, measured);
   measure_polarity(molecule, session);
-  compare_with_exact(mesh, spheres, options.distances, session);
+  if (distances) {
+    compare_with_exact(spheres, distances, session);
+  } else {
+    compare_with_exact(mesh, spheres, options.distances, session);
+  }
   prove(mesh, molecule, session);
   if (!options.picture.path.empty()) draw_distances(mesh, spheres, options.picture, session);
   if (!options.output.per_atom.empty()) {
