@@ -269,7 +269,9 @@ LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<Leve
     if (level == last) return;
     LapClock clock;
     LevelReport record{examine(mesh), level, {}};
-    if (wanted == SelfIntersections::count) record.self_intersections = self_intersections(mesh);
+    if (wanted == SelfIntersections::count) {
+      record.self_intersections = self_intersections(mesh, nullptr, edges_of(record.topology));
+    }
     levels.push_back(record);
     add(session.report.timing.levels, clock.lap());
   };
@@ -314,7 +316,8 @@ void examine_untimed(const IndexedMesh& mesh, Session& session) {
 }
 
 void self_intersections_untimed(const IndexedMesh& mesh, Session& session) {
-  session.report.mesh->self_intersections = self_intersections(mesh, session.monitor);
+  MeshReport& report = *session.report.mesh;
+  report.self_intersections = self_intersections(mesh, session.monitor, edges_of(report.topology));
 }
 
 void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session) {

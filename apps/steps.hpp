@@ -80,7 +80,7 @@ void account_for_fallback(const std::string& fallback, Report& report);
 
 // Topology, measures and quality of the mesh; then its self-intersections, if wanted.
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Session& session);
-// Both halves of measure(), which do not end their stages.
+// Both halves of measure(), which do not end their stages. The first comes first.
 void examine_untimed(const IndexedMesh& mesh, Session& session);
 void self_intersections_untimed(const IndexedMesh& mesh, Session& session);
 

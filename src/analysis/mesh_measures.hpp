@@ -104,10 +104,19 @@ constexpr double extrapolate_second_order(double coarse, double fine) {
 // of area 0 are left out. The count is exact for all finite coordinates: the signs of volumes are
 // computed in double where an error bound proves them, else by CGAL's exact predicates. Throws
 // Cancelled if the monitor asks for it.
-std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor = nullptr);
+//
+// If the edges are known to be paired, most neighbours need no search. Then the mesh must be closed
+// and oriented, as topology() finds.
+enum class MeshEdges : std::uint8_t { unknown, paired };
+std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor = nullptr,
+                                 MeshEdges edges = MeshEdges::unknown);
+inline MeshEdges edges_of(const MeshTopology& topology) {
+  return topology.closed && topology.oriented ? MeshEdges::paired : MeshEdges::unknown;
+}
 
 // The pairs that self_intersections() counts, the lower index first, in rising order.
 using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor = nullptr);
+TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor = nullptr,
+                                 MeshEdges edges = MeshEdges::unknown);
 
 }  // namespace vdwmesh

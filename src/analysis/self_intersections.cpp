@@ -1,17 +1,20 @@
 // self_intersections(): finds the pairs of triangles that intersect.
 //
-// The candidates are the pairs whose bounding boxes overlap, found in a FacetTree. Most are
-// neighbours on a smooth surface, which four at a time are found apart (facet_leaf_apart.hpp);
-// others are decided by the filter of facet_pair.hpp, and the last ones by exact predicates. The
-// unit of work is one bottom node of the tree, called home: its 32 triangles are gathered, and
-// paired with each other and with those of every bottom node behind it whose box overlaps. So each
-// pair is found once, by one thread, and the result does not depend on the number of threads.
+// The candidates are the pairs whose bounding boxes overlap, found in a FacetTree. If the mesh is
+// known to be closed and oriented, and was divided, a leaf of the tree is a patch, a divided
+// triangle. Nearly all patches that meet are in one star, where no triangles intersect
+// (surface/star_fans.hpp). Others are found apart four at a time (facet_leaf_apart.hpp) or decided
+// by the filter of facet_pair.hpp, and the last ones by exact predicates. The unit of work is one
+// bottom node of the tree, called home: its 32 triangles are paired with each other and with those
+// of every bottom node behind it whose box overlaps. So each pair is found once, by one thread, and
+// the result does not depend on the number of threads.
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cstring>
 #include <functional>
 #include <mutex>
 #include <vector>
@@ -23,6 +26,7 @@
 #include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
+#include "surface/star_fans.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -36,6 +40,75 @@ bool do_intersect(const Facet& a, const Facet& b) {
   return found == Meeting::unsure ? intersect_exactly(a, b, m) : found == Meeting::intersect;
 }
 
+// The corners with a star of a leaf that is a patch, or kNone.
+using LeafStars = std::array<std::uint32_t, 3>;
+
+// Whether the triangles of a leaf are those of a patch, all there in their order.
+bool is_patch(const FacetTree& tree, std::size_t leaf) {
+  constexpr std::size_t kPatch = FacetTree::kLeaf;
+  if (kPatch * (leaf + 1) > tree.size()) return false;
+  const std::uint32_t first = tree.triangle_at(kPatch * leaf);
+  bool all = first % kPatch == 0;
+  for (std::uint32_t i = 1; i < kPatch; ++i)
+    all &= tree.triangle_at(kPatch * leaf + i) == first + i;
+  return all;
+}
+
+// The stars of all leaves; empty if there are no fans.
+Buffer<LeafStars> stars_of_leaves(const IndexedMesh& mesh, const FacetTree& tree,
+                                  const StarFans& fans) {
+  Buffer<LeafStars> stars;
+  if (fans.empty()) return stars;
+  stars.resize(kWidth * tree.bottom_nodes());
+  for_each_index(stars.size(), [&](std::size_t leaf) {
+    stars[leaf] = {StarFans::kNone, StarFans::kNone, StarFans::kNone};
+    if (!is_patch(tree, leaf)) return;
+    const std::uint32_t first = tree.triangle_at(FacetTree::kLeaf * leaf);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t corner = mesh.triangles[first + k][0];
+      if (fans.is_star(corner)) stars[leaf][k] = corner;
+    }
+  });
+  return stars;
+}
+
+// The same of the eight leaves of a node, side by side.
+class NodeStars {
+ public:
+  NodeStars(const Buffer<LeafStars>& stars, std::size_t node) {
+    if (stars.empty()) return;
+    for (std::size_t l = 0; l < kWidth; ++l) {
+      for (std::size_t k = 0; k < 3; ++k) star_[k][l] = stars[kWidth * node + l][k];
+    }
+  }
+  // A mask of the leaves that share a star with the given one.
+  VDWMESH_INLINE std::uint32_t shared(const LeafStars& leaf) const {
+    Masks found{};
+    for (const auto& lanes : star_) {
+      Ids own;
+      std::memcpy(&own, &lanes, sizeof own);
+      Masks equal{};
+      for (const std::uint32_t star : leaf) equal |= own == Ids{} + star;
+      found |= equal & (own != Ids{} + StarFans::kNone);
+    }
+    std::uint32_t bits = 0;
+    for (std::size_t l = 0; l < kWidth; ++l) bits |= static_cast<std::uint32_t>(found[l] & 1) << l;
+    return bits;
+  }
+
+ private:
+  using Ids = std::uint32_t __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
+  using Masks = std::int32_t __attribute__((vector_size(kWidth * sizeof(std::int32_t))));
+  std::uint32_t star_[3][kWidth];
+};
+
+// What is searched; owns nothing.
+struct Searched {
+  const IndexedMesh& mesh;
+  const FacetTree& tree;
+  const Buffer<LeafStars>& stars;  // by leaf; empty if nothing is known of the mesh
+};
+
 // The leaves that were gathered last. Most leaves are near several bottom nodes, which are searched
 // one soon after the other.
 class LeafCache {
@@ -43,10 +116,10 @@ class LeafCache {
   LeafCache() : number_(kSlots, kNone), leaves_(kSlots) {}
 
   // The leaf is good until another one is asked for.
-  const FacetLeaf& at(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf) {
+  const FacetLeaf& at(const Searched& mesh, std::size_t leaf) {
     const std::size_t slot = leaf % kSlots;
     if (number_[slot] != leaf) {
-      leaves_[slot].gather(mesh, tree, leaf);
+      leaves_[slot].gather(mesh.mesh, mesh.tree, leaf);
       number_[slot] = leaf;
     }
     return leaves_[slot];
@@ -84,12 +157,14 @@ VDWMESH_INLINE void join_leaves(const FacetLeaf& a, const FacetLeaf& b, double r
 // The search from the bottom node `home`.
 class HomeSearch {
  public:
-  HomeSearch(const IndexedMesh& mesh, const FacetTree& tree, std::size_t home, LeafCache& cache)
-      : mesh_(mesh), tree_(tree), home_(home), cache_(cache), box_(empty_box()) {
-    for (std::size_t l = 0; l < kWidth; ++l) {
-      leaves_[l] = cache.at(mesh, tree, kWidth * home + l);
-      include(box_, leaves_[l].box);
-    }
+  HomeSearch(const Searched& mesh, std::size_t home, LeafCache& cache)
+      : mesh_(mesh),
+        tree_(mesh.tree),
+        home_(home),
+        cache_(cache),
+        stars_(mesh.stars, home),
+        box_(empty_box()) {
+    for (std::size_t l = 0; l < kWidth; ++l) include(box_, tree_.box_of_leaf(home, l));
   }
 
   // Appends the pairs of each node in turn to `found`, and calls after_node() after each.
@@ -102,13 +177,28 @@ class HomeSearch {
   }
 
  private:
-  void join_home(TrianglePairs& found) const {
+  // A leaf of this node, gathered when it is first asked for.
+  const FacetLeaf& leaf(std::size_t l) {
+    if ((gathered_ >> l & 1) == 0) leaves_[l] = cache_.at(mesh_, kWidth * home_ + l);
+    gathered_ |= 1u << l;
+    return leaves_[l];
+  }
+
+  // A mask of the leaves of this node whose triangles may intersect those of the given leaf of
+  // another node, or of this one.
+  std::uint32_t near_leaves(std::size_t node, std::size_t other, const Box& box) const {
+    const std::uint32_t near = tree_.overlapping_leaves(home_, box);
+    if (mesh_.stars.empty() || near == 0) return near;
+    return near & ~stars_.shared(mesh_.stars[kWidth * node + other]);
+  }
+
+  void join_home(TrianglePairs& found) {
     const double reach = longest_side(box_);
     for (std::size_t l = 0; l < kWidth; ++l) {
-      std::uint32_t near = tree_.overlapping_leaves(home_, leaves_[l].box);
+      std::uint32_t near = near_leaves(home_, l, tree_.box_of_leaf(home_, l));
       for (near &= ~std::uint32_t{0} << l; near != 0; near &= near - 1) {
         const auto other = static_cast<std::size_t>(std::countr_zero(near));
-        join_leaves(leaves_[l], leaves_[other], reach, found);
+        join_leaves(leaf(l), leaf(other), reach, found);
       }
     }
   }
@@ -119,23 +209,29 @@ class HomeSearch {
     for (; others != 0; others &= others - 1) {
       const auto other = static_cast<std::size_t>(std::countr_zero(others));
       const Box box = tree_.box_of_leaf(node, other);
-      std::uint32_t near = tree_.overlapping_leaves(home_, box);
+      std::uint32_t near = near_leaves(node, other, box);
       if (near == 0) continue;
-      const FacetLeaf& leaf = cache_.at(mesh_, tree_, kWidth * node + other);
+      // Gathers those of this node first, because the other one is good until another is asked for.
+      for (std::uint32_t own = near; own != 0; own &= own - 1) {
+        leaf(static_cast<std::size_t>(std::countr_zero(own)));
+      }
+      const FacetLeaf& its = cache_.at(mesh_, kWidth * node + other);
       Box both = box_;
       include(both, box);
       const double reach = longest_side(both);
       for (; near != 0; near &= near - 1) {
-        join_leaves(leaves_[static_cast<std::size_t>(std::countr_zero(near))], leaf, reach, found);
+        join_leaves(leaf(static_cast<std::size_t>(std::countr_zero(near))), its, reach, found);
       }
     }
   }
 
-  const IndexedMesh& mesh_;
+  const Searched& mesh_;
   const FacetTree& tree_;
   std::size_t home_;
   LeafCache& cache_;
+  NodeStars stars_;
   Box box_;
+  std::uint32_t gathered_ = 0;  // a mask of leaves_
   std::array<FacetLeaf, kWidth> leaves_;
 };
 
@@ -144,12 +240,11 @@ using TakePairs = std::function<void(const TrianglePairs&)>;
 // Calls take(found) for lists of pairs that intersect, one of them a triangle of the bottom nodes
 // from `first` to `end`. The monitor is asked between nodes, so that a search in which very many
 // boxes overlap can be stopped.
-VDWMESH_MULTIVERSION void search_from(const IndexedMesh& mesh, const FacetTree& tree,
-                                      std::size_t first, std::size_t end, LeafCache& cache,
-                                      Monitor* monitor, const TakePairs& take) {
+VDWMESH_MULTIVERSION void search_from(const Searched& mesh, std::size_t first, std::size_t end,
+                                      LeafCache& cache, Monitor* monitor, const TakePairs& take) {
   TrianglePairs found;
   for (std::size_t home = first; home < end; ++home) {
-    HomeSearch(mesh, tree, home, cache).run(found, [&] {
+    HomeSearch(mesh, home, cache).run(found, [&] {
       advance(monitor, 0);
       if (!found.empty()) take(found);
       found.clear();
@@ -158,33 +253,36 @@ VDWMESH_MULTIVERSION void search_from(const IndexedMesh& mesh, const FacetTree& 
 }
 
 // The same for all bottom nodes, from several threads.
-void search(const IndexedMesh& mesh, Monitor* monitor, const TakePairs& take) {
+void search(const IndexedMesh& mesh, MeshEdges edges, Monitor* monitor, const TakePairs& take) {
   advance(monitor, 0);
+  const StarFans fans = edges == MeshEdges::paired ? fans_of_divided(mesh) : StarFans();
   const FacetTree tree(mesh);
+  const Buffer<LeafStars> stars = stars_of_leaves(mesh, tree, fans);
+  const Searched searched{mesh, tree, stars};
   begin_stage(monitor, "self-intersections", block_count(tree.bottom_nodes(), kNodesPerBlock));
   tbb::enumerable_thread_specific<LeafCache> caches;
   for_each_block(
       tree.bottom_nodes(), kNodesPerBlock,
       [&](std::size_t, std::size_t first, std::size_t end) {
-        search_from(mesh, tree, first, end, caches.local(), monitor, take);
+        search_from(searched, first, end, caches.local(), monitor, take);
       },
       monitor);
 }
 
 }  // namespace
 
-std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor) {
+std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor, MeshEdges edges) {
   std::atomic<std::uint64_t> count{0};
-  search(mesh, monitor, [&](const TrianglePairs& pairs) {
+  search(mesh, edges, monitor, [&](const TrianglePairs& pairs) {
     count.fetch_add(pairs.size(), std::memory_order_relaxed);
   });
   return count;
 }
 
-TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor) {
+TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor, MeshEdges edges) {
   TrianglePairs all;
   std::mutex guard;
-  search(mesh, monitor, [&](const TrianglePairs& pairs) {
+  search(mesh, edges, monitor, [&](const TrianglePairs& pairs) {
     const std::lock_guard lock(guard);
     all.insert(all.end(), pairs.begin(), pairs.end());
   });

@@ -58,7 +58,11 @@ std::uint64_t measures_bytes(const MeshSize& m) {
   return edge_buckets_bytes(m) + std::max({edge_buckets_scratch(m), survey, lengths});
 }
 
-std::uint64_t self_intersections_bytes(const MeshSize& m) { return FacetTree::bytes(m.triangles); }
+// Of a divided mesh, the tree as it is kept (18 bytes per triangle), the fans of its vertices and
+// the corners of its patches (half a byte and three) take a little more than building the tree.
+std::uint64_t self_intersections_bytes(const MeshSize& m) {
+  return FacetTree::bytes(m.triangles) + 2 * m.triangles;
+}
 
 std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double exposed) {
   // Bytes per sphere of the triangulation, as a straight line in the exposed share of the area:

@@ -10,7 +10,8 @@
 // one with the lowest numbers along all axes, so that each pair is tested once. The tests of a pair
 // get more expensive, and each rejects most of what it sees:
 //  1. Do the boxes of the patches overlap? Eight boxes are tested at a time (refine/box_lanes.hpp).
-//  2. Does a plane keep the patches apart? (refine/patch_outline.hpp)
+//  2. Do the patches share a corner around which all patches are a star? (refine/patch_fans.hpp)
+//     Does a plane keep them apart? (refine/patch_outline.hpp)
 //  3. For each triangle of one patch: which triangles of the other may cross it? All four are
 //     tested at a time (refine/patch_lanes.hpp).
 //  4. Do the two triangles cross? (triangles_cross())
@@ -32,6 +33,7 @@
 #include "refine/crossing_formulas.hpp"
 #include "refine/patch_lanes.hpp"
 #include "refine/patch_outline.hpp"
+#include "refine/shared_stars.hpp"
 #include "refine/subdivision_formulas.hpp"
 #include "refine/vertex_moves.hpp"
 
@@ -85,6 +87,10 @@ void BadMoves<Level>::find_dirty_cells() {
   for_all(level_.patches(), [&](std::size_t patch) {
     const Vertices v = level_.vertices(patch);
     if (!has_vertex<is_wanted>(v)) return;
+    // The patch has changed, and with it the fans of its corners.
+    if (!fans_.empty()) {
+      for (std::size_t k = 0; k < 3; ++k) fans_.forget(v[k]);
+    }
     grid_->visit_cells(patch, [&](std::size_t cell) {
       std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
     });
@@ -164,8 +170,11 @@ template <class Level>
 struct BadMoves<Level>::CellPatches {
   BoxLanes boxes;
   std::vector<std::uint8_t> begins;  // bit a: the cell is the first one of the patch along axis a
-  std::vector<std::uint8_t> cannot_cross_itself;  // 1: no two triangles of the patch can cross
+  SharedStars stars;
+  // Made when the first pair needs them, for nearly all pairs share a star.
   std::vector<PatchOutline> outlines;
+  std::vector<std::uint8_t> has_outline;
+  double reach;  // Å, see take_boxes()
   // The patches with a pair that reached test 3: the first `gathered_count` elements are of this
   // cell. A deque, because references to elements must stay valid while others are appended.
   std::deque<Patch> gathered;
@@ -174,18 +183,19 @@ struct BadMoves<Level>::CellPatches {
 
   void resize(std::size_t patches) {
     boxes.resize(patches);
+    stars.resize(patches);
     slot.assign(patches, 0);
+    has_outline.assign(patches, 0);
     gathered_count = 0;
     if (patches <= begins.size()) return;
     begins.resize(patches);
-    cannot_cross_itself.resize(patches);
     outlines.resize(patches);
   }
 };
 
-// Takes the boxes of the patches of a cell. Returns a length (Å) by which any two vertices of these
-// patches differ at most along each axis: the sum of the three sides of the box around all boxes.
-// length_of() adds the rounding of the boxes to float32.
+// Takes the boxes of the patches of a cell, and which of their corners have stars. Returns a length
+// (Å) by which any two vertices of these patches differ at most along each axis: the sum of the
+// three sides of the box around all boxes. length_of() adds the rounding of the boxes to float32.
 template <class Level>
 double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
   const auto listed = grid_->patches_in(cell);
@@ -196,6 +206,9 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
     const CellBox& box = grid_->box_of_patch(listed[j]);
     const PatchGrid::Place first = grid_->place_of(box.lower);
     here.boxes.set(j, box);
+    if constexpr (Level::kVertices == 6) {
+      here.stars.set(j, fans_, level_.parent.triangles[listed[j]]);
+    }
     int begins = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lower[axis] = std::min(lower[axis], box.lower[axis]);
@@ -211,29 +224,36 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
   return reach;
 }
 
-// Takes the outlines of the patches of a cell, relative to a vertex of the first patch, so that no
-// coordinate exceeds `reach`. Decides also which patches need not be tested with themselves. If all
-// vertices have one atom, triangles_cross() would report nothing: each two of the four children
-// share a vertex, and it leaves such pairs of one atom to mark_turned(). Otherwise planes may keep
-// the children apart.
+// Returns the outline of a patch of a cell, relative to a vertex of the first patch, so that no
+// coordinate exceeds the reach.
 template <class Level>
-void BadMoves<Level>::take_outlines(std::size_t cell, double reach, CellPatches& here) const {
+const PatchOutline& BadMoves<Level>::outline(std::size_t cell, std::size_t i,
+                                             CellPatches& here) const {
+  if (here.has_outline[i] != 0) return here.outlines[i];
   const auto listed = grid_->patches_in(cell);
   const Buffer<Vec3d>& positions = level_.mesh.positions;
-  const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
   const Vec3d origin = positions[level_.vertices(listed[0])[0]];
-  for (std::size_t j = 0; j < listed.size(); ++j) {
-    const Vertices v = level_.vertices(listed[j]);
-    std::array<Vec3d, Level::kVertices> position;
-    bool is_of_one_atom = atoms[v[0]] != kNoSphere;
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      position[i] = positions[v[i]] - origin;
-      is_of_one_atom &= atoms[v[i]] == atoms[v[0]];
-    }
-    here.outlines[j].set(v, position, reach);
-    here.cannot_cross_itself[j] =
-        is_of_one_atom || Level::kTriangles == 1 || here.outlines[j].separates_children(reach);
-  }
+  const Vertices v = level_.vertices(listed[i]);
+  std::array<Vec3d, Level::kVertices> position;
+  for (std::size_t k = 0; k < v.size(); ++k) position[k] = positions[v[k]] - origin;
+  here.outlines[i].set(v, position, here.reach);
+  here.has_outline[i] = 1;
+  return here.outlines[i];
+}
+
+// Whether a patch must be tested with itself. Around a star no two children cross. If all vertices
+// have one atom, triangles_cross() would report nothing: each two of the four children share a
+// vertex, and it leaves such pairs of one atom to mark_turned(). Otherwise planes may keep the
+// children apart.
+template <class Level>
+bool BadMoves<Level>::may_cross_itself(std::size_t cell, std::size_t i, CellPatches& here) const {
+  if constexpr (Level::kTriangles == 1) return false;
+  if (here.stars.has_star(i)) return false;
+  const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
+  const Vertices v = level_.vertices(grid_->patches_in(cell)[i]);
+  const auto is_first_atom = [&](std::uint32_t k) { return atoms[k] == atoms[v[0]]; };
+  if (atoms[v[0]] != kNoSphere && std::all_of(v.begin(), v.end(), is_first_atom)) return false;
+  return !outline(cell, i, here).separates_children(here.reach);
 }
 
 // Tests all pairs of patches that belong to a cell, and marks the vertices of triangles that cross.
@@ -245,7 +265,7 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
   static thread_local CellPatches here;
   const auto listed = grid_->patches_in(cell);
   if (listed.empty()) return false;
-  take_outlines(cell, take_boxes(cell, here), here);
+  here.reach = take_boxes(cell, here);
   const auto gathered = [&](std::size_t i) -> const Patch& {
     if (here.slot[i] == 0) {
       const std::size_t next = here.gathered_count++;
@@ -257,22 +277,23 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
   };
   bool any = false;
   for (std::size_t i = 0; i < listed.size(); ++i) {
-    const PatchOutline& outline = here.outlines[i];
     // A patch is tested with itself in its own first cell.
-    if (here.begins[i] == kAllAxes && here.cannot_cross_itself[i] == 0) {
+    if (here.begins[i] == kAllAxes && may_cross_itself(cell, i, here)) {
       any |= mark_pair(gathered(i), gathered(i));
     }
     for (std::size_t first = 0; first < i; first += BoxLanes::kLanes) {
       std::uint32_t near = here.boxes.overlapping(i, first);
       if (first + BoxLanes::kLanes > i) near &= (1u << (i - first)) - 1;
+      if (Level::kVertices == 6 && near != 0) near &= ~here.stars.shared(i, first);
       for (; near != 0; near &= near - 1) {
         const std::size_t j = first + static_cast<std::size_t>(std::countr_zero(near));
         // The pair is tested in the first cell that both patches touch, and in no other. That is
         // the cell which, along each axis, is the first one of at least one of the two patches.
         if ((here.begins[i] | here.begins[j]) != kAllAxes) continue;
         // A plane through an edge of either patch may keep them apart.
-        if (outline.template keeps_out<kVertices>(here.outlines[j])) continue;
-        if (here.outlines[j].template keeps_out<kVertices>(outline)) continue;
+        const PatchOutline &one = outline(cell, i, here), &other = outline(cell, j, here);
+        if (one.template keeps_out<kVertices>(other)) continue;
+        if (other.template keeps_out<kVertices>(one)) continue;
         any |= mark_pair(gathered(i), gathered(j));
       }
     }

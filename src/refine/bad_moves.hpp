@@ -10,11 +10,14 @@
 #include "core/blocks.hpp"
 #include "core/buffer.hpp"
 #include "refine/level_view.hpp"
+#include "refine/patch_fans.hpp"
 #include "refine/patch_grid.hpp"
 #include "refine/refiner.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class PatchOutline;
 
 // Finds the bad moves of one refinement level. The move of a vertex is bad in two cases:
 //   1. The vertex belongs to a turned triangle: its corners all have the same atom, and it faces
@@ -39,7 +42,11 @@ class BadMoves {
     grid_.emplace(level);
     dirty_.assign(grid_->cell_count(), 1);
     // If few vertices have moved, few cells have a pair to test, and are worth being found.
-    if (moved < move_states.size() / 8) find_dirty_cells<is_away>();
+    if (moved < move_states.size() / 8) {
+      find_dirty_cells<is_away>();
+      return;
+    }
+    if constexpr (Level::kVertices == 6) fans_ = patch_fans(level);
   }
 
   // One pass: changes the state of every vertex with a bad move from MoveState::moved to
@@ -59,7 +66,8 @@ class BadMoves {
   bool mark_turned(const Vertices& v);
   bool mark_crossed(std::size_t cell);
   double take_boxes(std::size_t cell, CellPatches& here) const;
-  void take_outlines(std::size_t cell, double reach, CellPatches& here) const;
+  const PatchOutline& outline(std::size_t cell, std::size_t i, CellPatches& here) const;
+  bool may_cross_itself(std::size_t cell, std::size_t i, CellPatches& here) const;
   bool mark_pair(const Patch& a, const Patch& b);
   bool mark_if_crossing(const Patch& a, std::size_t i, const Patch& b, std::size_t j);
   void gather(std::size_t patch, Patch& gathered);
@@ -71,6 +79,7 @@ class BadMoves {
   Monitor* monitor_;
   std::optional<PatchGrid> grid_;  // empty if crossings are allowed
   Buffer<std::uint8_t> dirty_;     // by cell of grid_: 1 if this pass tests its pairs, else 0
+  StarFans fans_;                  // of the parent's vertices; empty if few vertices moved
   int pass_ = 0;                   // passes done
 };
 

@@ -12,6 +12,26 @@
 
 namespace vdwmesh {
 
+// All bits of a lane are alike.
+using EightMasks = std::int32_t __attribute__((vector_size(8 * sizeof(std::int32_t))));
+
+// Sets bit i of the result if lane i is true.
+VDWMESH_INLINE std::uint32_t bits_of(const EightMasks& lanes) {
+#if defined(__SSE2__)
+  using Half = float __attribute__((vector_size(16)));
+  Half low, high;
+  std::memcpy(&low, &lanes, sizeof low);
+  std::memcpy(&high, reinterpret_cast<const char*>(&lanes) + sizeof low, sizeof high);
+  const int bits = __builtin_ia32_movmskps(low) | __builtin_ia32_movmskps(high) << 4;
+  return static_cast<std::uint32_t>(bits);
+#else
+  const EightMasks bits = lanes & EightMasks{1, 2, 4, 8, 16, 32, 64, 128};
+  std::uint32_t found = 0;
+  for (std::size_t lane = 0; lane < 8; ++lane) found |= static_cast<std::uint32_t>(bits[lane]);
+  return found;
+#endif
+}
+
 class BoxLanes {
  public:
   static constexpr std::size_t kLanes = 8;
@@ -38,7 +58,6 @@ class BoxLanes {
 
  private:
   using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
-  using Masks = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
   static VDWMESH_INLINE Floats floats_at(const float* first) {
     Floats lanes;
@@ -51,15 +70,12 @@ class BoxLanes {
 };
 
 VDWMESH_INLINE std::uint32_t BoxLanes::overlapping(std::size_t i, std::size_t first) const {
-  Masks all = Masks{} - 1;
+  EightMasks all = EightMasks{} - 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     all &= floats_at(&lower_[axis][first]) <= Floats{} + upper_[axis][i];
     all &= floats_at(&upper_[axis][first]) >= Floats{} + lower_[axis][i];
   }
-  const Masks bits = all & Masks{1, 2, 4, 8, 16, 32, 64, 128};
-  std::uint32_t found = 0;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) found |= static_cast<std::uint32_t>(bits[lane]);
-  return found;
+  return bits_of(all);
 }
 
 }  // namespace vdwmesh

@@ -177,10 +177,12 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
   // the sphere and four integers per sphere, among them rank and id, and the starts of its cells:
   // each of its levels has at most 4096 cells, or 8 per sphere of the level if that is more.
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
+  // `fans`: the state of the fan of each vertex of the parent.
   const std::uint64_t grid = std::max(parent.triangles, triangles) * (24 + 2 * (4 + 1) + 3 * 4);
+  const std::uint64_t fans = parent.vertices * sizeof(std::uint32_t);
   const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
-  return meshes + marks + grid + list;
+  return meshes + marks + grid + fans + list;
 }
 
 FieldModel projection_model(const RefineOptions& o) {

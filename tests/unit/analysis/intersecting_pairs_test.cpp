@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -18,6 +20,7 @@
 #include "reference/crossing_pairs.hpp"
 #include "support/dice.hpp"
 #include "support/test_meshes.hpp"
+#include "surface/star_fans.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -276,6 +279,123 @@ TEST(IntersectingPairsOfNeighbours, DoNotDependOnTheOrderOfTriangles) {
     std::ranges::sort(again);
     EXPECT_EQ(again, pairs);
   }
+}
+
+// A closed mesh of which every triangle is divided into four, midpoints behind all corners.
+IndexedMesh divided(const IndexedMesh& mesh) {
+  IndexedMesh fine;
+  fine.positions = mesh.positions;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
+  const auto midpoint = [&](std::uint32_t a, std::uint32_t b) {
+    const auto next = static_cast<std::uint32_t>(fine.positions.size());
+    const auto [at, is_new] = numbers.insert({std::minmax(a, b), next});
+    if (is_new) fine.positions.push_back(0.5 * (mesh.positions[a] + mesh.positions[b]));
+    return at->second;
+  };
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const std::uint32_t ab = midpoint(a, b), bc = midpoint(b, c), ca = midpoint(c, a);
+    for (const Triangle& t : {Triangle{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}}) {
+      fine.triangles.push_back(t);
+    }
+  }
+  return fine;
+}
+
+// Closed oriented meshes: one or two tori, flat ones among them, that share a vertex or none.
+IndexedMesh closed_mesh(Dice& dice) {
+  IndexedMesh mesh = testing::torus(8, 6);
+  if (dice.one_in(2)) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    const IndexedMesh other = testing::torus(7, 5);
+    for (const Vec3d& p : other.positions) {
+      mesh.positions.push_back({p.z + dice.real(0.0, 1e-3), p.x + 1, p.y});
+    }
+    const bool joined = dice.one_in(2);
+    for (Triangle t : other.triangles) {
+      for (std::uint32_t& v : t) v = v == 0 && joined ? 0 : v + first;
+      mesh.triangles.push_back(t);
+    }
+  }
+  if (dice.one_in(4)) {
+    for (Vec3d& p : mesh.positions) p.z = 0;
+  }
+  return mesh;
+}
+
+// Crossings planted within patches, between neighbours and between patches far apart; patches
+// without an area; sizes at the ends of what doubles can hold.
+TEST(IntersectingPairsOfDividedMeshes, AreThoseOfTheSearchWithoutStars) {
+  std::size_t found = 0, stars = 0, others = 0;
+  for (unsigned seed = 1; seed <= 120; ++seed) {
+    Dice dice(seed);
+    const IndexedMesh coarse = closed_mesh(dice);
+    IndexedMesh mesh = divided(coarse);
+    const double wrinkle = std::array{0.0, 0.01, 0.1, 0.4}[seed % 4];
+    for (Vec3d& p : mesh.positions) {
+      p = p + by_axis([&] { return wrinkle * dice.real(-1, 1); });
+    }
+    for (int k = dice.whole(0, 6); k > 0; --k) {
+      const auto v = static_cast<std::size_t>(dice.whole(0, int(mesh.positions.size()) - 1));
+      const auto w = static_cast<std::size_t>(dice.whole(0, int(mesh.positions.size()) - 1));
+      mesh.positions[v] = dice.one_in(2) ? mesh.positions[w] : -1.0 * mesh.positions[v];
+    }
+    const double size = std::array{1.0, 1e-130, 1e130, 1e-305, 1e305}[seed % 5];
+    for (Vec3d& p : mesh.positions) p = size * p;
+    ASSERT_TRUE(edges_of(topology(mesh)) == MeshEdges::paired);
+    const StarFans fans = fans_of_divided(mesh);
+    ASSERT_FALSE(fans.empty());
+    for (std::uint32_t v = 0; v < coarse.positions.size(); ++v) {
+      ++(fans.is_star(v) ? stars : others);
+    }
+    const TrianglePairs pairs = intersecting_pairs(mesh, nullptr, MeshEdges::paired);
+    ASSERT_EQ(pairs, intersecting_pairs(mesh)) << "seed " << seed;
+    found += pairs.size();
+  }
+  EXPECT_GT(found, 10000u);
+  EXPECT_GT(stars, 500u);
+  EXPECT_GT(others, 500u);
+}
+
+// Triangles around two poles above and below a pentagram, which runs around twice. From a pole all
+// of them turn counter-clockwise, so only the number of turns tells.
+TEST(IntersectingPairsOfDividedMeshes, AFanThatRunsAroundTwiceIsNoStar) {
+  IndexedMesh mesh = testing::make_mesh({{0, 0, 1}, {0, 0, -1}}, {});
+  for (int k = 0; k < 5; ++k) {
+    const double turn = 4 * std::numbers::pi / 5 * k + 0.1;
+    mesh.positions.push_back({std::cos(turn), std::sin(turn), 0});
+  }
+  for (std::uint32_t k = 0; k < 5; ++k) {
+    const std::uint32_t a = 2 + k, b = 2 + (k + 1) % 5;
+    mesh.triangles.push_back({0, a, b});
+    mesh.triangles.push_back({1, b, a});
+  }
+  // The pentagram, and a star inside of it, where the image of every triangle is positive.
+  const IndexedMesh fine = divided(mesh);
+  const StarFans fans = fans_of_divided(fine);
+  ASSERT_FALSE(fans.empty());
+  EXPECT_FALSE(fans.is_star(0));
+  EXPECT_FALSE(fans.is_star(1));
+  const TrianglePairs pairs = intersecting_pairs(fine, nullptr, MeshEdges::paired);
+  EXPECT_EQ(pairs, CgalPairs(fine).all());
+  EXPECT_GT(pairs.size(), 10u);
+}
+
+// What only looks like a divided mesh: a midpoint that serves two edges, a corner that is one.
+TEST(IntersectingPairsOfDividedMeshes, OthersHaveNoStars) {
+  const IndexedMesh fine = divided(testing::torus(8, 6));
+  EXPECT_FALSE(fans_of_divided(fine).empty());
+  IndexedMesh turned = fine;
+  std::ranges::rotate(turned.triangles[9], turned.triangles[9].begin() + 1);
+  EXPECT_TRUE(fans_of_divided(turned).empty());
+  IndexedMesh joined = fine;
+  const auto last = static_cast<std::uint32_t>(fine.positions.size() - 1);
+  for (Triangle& t : joined.triangles) std::ranges::replace(t, last, last - 1);
+  EXPECT_TRUE(fans_of_divided(joined).empty());
+  IndexedMesh shifted = fine;
+  std::ranges::rotate(shifted.triangles, shifted.triangles.begin() + 1);
+  EXPECT_TRUE(fans_of_divided(shifted).empty());
+  EXPECT_TRUE(fans_of_divided(testing::torus(8, 6)).empty());
+  EXPECT_TRUE(fans_of_divided(testing::empty_mesh()).empty());
 }
 
 // Every pair of boxes that overlap is met once, whatever the order of the tree is.
