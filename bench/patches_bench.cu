@@ -45,7 +45,8 @@ class MeasuringDevice final : public PatchDevice {
     order.look([&] {
       // Of the largest sets, as much as fits one batch; none of those withdrawn.
       std::vector<PatchJob> some;
-      for (const PatchJob& job : order.jobs) {
+      for (PatchJob& job : order.jobs) {
+        job.is_begun = true;
         if (!job.is_withdrawn && some.size() < (std::size_t{1} << 16)) some.push_back(job);
       }
       const double host = mesh_on_host(some);

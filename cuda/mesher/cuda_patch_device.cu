@@ -20,6 +20,7 @@
 #include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/large_pages.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_structures.cuh"
@@ -33,8 +34,8 @@ namespace {
 using mesher::GatherPlace;
 
 // An array of the host that is used for one batch after another, since the first write to a page
-// costs more than the others. It need not be page-locked: upload_parts() and download_parts() copy
-// through page-locked memory of their own.
+// costs more than the others, on large pages. It need not be page-locked: upload_parts() and
+// download_parts() copy through page-locked memory of their own.
 template <class T>
 class KeptRoom {
  public:
@@ -43,6 +44,7 @@ class KeptRoom {
     if (count > size_) {
       room_.reset();
       room_ = std::make_unique_for_overwrite<T[]>(count);
+      advise_large_pages(room_.get(), count);
       size_ = count;
     }
     return room_.get();
@@ -116,6 +118,7 @@ void outlive_stream(KeptBatch& kept) {
 // To be called from PatchOrder::look().
 void pack_batch(const PatchOrder& order, std::span<const std::uint32_t> which, HostRoom& room) {
   const PatchBatch& batch = room.batch.emplace(order.jobs, which);
+  for (const std::uint32_t j : which) order.jobs[j].is_begun = true;
   batch.pack(room.input.take(batch.input_bytes()));
   batch.pack_sources(order.sources, room.sources.take(batch.first_sources().back()));
 }

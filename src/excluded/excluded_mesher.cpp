@@ -94,9 +94,9 @@ class ExcludedMesher {
   struct Face {
     std::unique_ptr<PatchProgress> progress;  // of a sphere with curves
     std::vector<CurvePoint> boundary;
-    std::vector<Vec3d> interior, normals;  // scaled, relative to the origin; unit
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::vector<PieceSplit> splits;
+    PatchVector<Vec3d> interior, normals;  // scaled, relative to the origin; unit
+    PatchVector<std::array<std::uint32_t, 3>> triangles;
+    PatchVector<PieceSplit> splits;
     bool coincident = false;
   };
   struct Scratch {

@@ -175,7 +175,7 @@ class Surroundings {
       if (!overlap(around, box)) return;
       const bool is_near =
           visit_rows_near_box(list.view(), around.lower, around.upper,
-                              [](std::uint32_t first, std::uint32_t end) { return first < end; });
+                              [](ListPlace first, ListPlace end) { return first < end; });
       if (is_near) found.push_back(static_cast<SphereId>(i));
     });
     std::vector<Sphere> near;

@@ -61,7 +61,7 @@ std::vector<std::uint32_t> sides_of(const BoundaryArcs& boundary,
 }
 
 ArcSampling::ArcSampling(const BoundaryArcs& boundary, std::span<const double> edge_lengths)
-    : boundary_(boundary), unequal_(boundary.arcs.size()) {
+    : boundary_(boundary), unequal_(boundary.arcs.size()), first_split_(boundary.arcs.size(), 0) {
   pieces_.resize(boundary.arcs.size());
   for_each_index(pieces_.size(), [&](std::size_t a) {
     const BoundaryArc& arc = boundary.arcs[a];
@@ -96,13 +96,21 @@ void ArcSampling::split(std::span<const PieceSplit> splits) {
   // One arc at a time, on all cores.
   for_each_index(splits.size(), [&](std::size_t begin) {
     if (begin > 0 && splits[begin - 1].piece.arc == splits[begin].piece.arc) return;
+    first_split_[splits[begin].piece.arc] = static_cast<std::uint32_t>(begin);
     split_arc(splits.subspan(begin));
   });
 }
 
+// An entry of an earlier call does no harm: either it does not lead to a split of the arc, and then
+// there is none, or to one, and then this call has set it.
+std::size_t ArcSampling::first_split(std::uint32_t arc, std::span<const PieceSplit> splits) const {
+  const std::size_t first = first_split_[arc];
+  return first < splits.size() && splits[first].piece.arc == arc ? first : splits.size();
+}
+
 void ArcSampling::split_arc(std::span<const PieceSplit> splits) {
   const std::uint32_t arc = splits[0].piece.arc;
-  std::vector<double> parts;   // the new entry of unequal_
+  PatchVector<double> parts;   // the new entry of unequal_
   auto next = splits.begin();  // the first request that is not yet met
   for (std::uint32_t k = 0; k < pieces_[arc]; ++k) {
     const double low = part(arc, k), high = part(arc, k + 1);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arrangement/mesher/boundary_arcs.hpp"
+#include "arrangement/mesher/patch_vector.hpp"
 
 namespace vdwmesh {
 
@@ -71,6 +72,9 @@ class ArcSampling {
   // that they have before the call. Afterwards the pieces of an arc that was split have new
   // numbers.
   void split(std::span<const PieceSplit> splits);
+  // The first one of an arc among the splits of the last call of split(), which are given once
+  // more; their number if there is none. In constant time.
+  std::size_t first_split(std::uint32_t arc, std::span<const PieceSplit> splits) const;
 
   // Numbers the vertices: all corners first, then arc by arc the points between its ends. The
   // numbers are valid until the next split(). Throws LimitExceeded past 2^32 - 2 vertices.
@@ -93,7 +97,10 @@ class ArcSampling {
   std::vector<std::uint32_t> pieces_;  // per arc: the number of its pieces
   // Per arc: the fractions of points 1 .. n - 1, ascending. Empty while all pieces of the arc are
   // equal.
-  std::vector<std::vector<double>> unequal_;
+  std::vector<PatchVector<double>> unequal_;
+  // Per arc: the first of its splits when it was split last. It is not reset in rounds that leave
+  // the arc alone.
+  std::vector<std::uint32_t> first_split_;
   // Per arc: the vertex number of its first sample point that is no corner. One more entry at the
   // end is the number of all vertices.
   std::vector<std::uint32_t> first_vertex_;

@@ -76,6 +76,16 @@ void DevicePatches::withdraw(std::uint32_t ball) {
   job = nullptr;
 }
 
+std::size_t DevicePatches::take_back() {
+  std::size_t count = 0;
+  for (PatchJob& job : jobs_) {
+    if (job.is_begun || job.is_withdrawn) continue;
+    withdraw(job.ball);
+    ++count;
+  }
+  return count;
+}
+
 void DevicePatches::tell_thread() {
   const std::lock_guard lock(mutex_);
   ready_ = jobs_.size();

@@ -72,6 +72,8 @@ class DevicePatches {
     tell_thread();
   }
   void withdraw(std::uint32_t ball);
+  // Withdraws all that the device has not begun, and returns how many these are.
+  std::size_t take_back();
   void let_read() { turns_.let_read(); }
   // The job of a ball, if it was sent and not withdrawn; else null.
   const PatchJob* job(std::uint32_t ball) const { return job_of_[ball]; }

@@ -44,13 +44,14 @@ VDWMESH_HD inline void relink(LinkedTriangle* triangles, std::uint32_t t, std::u
 // Flips edge k of triangle t, which must have a neighbour n and be no piece. With vertex a of t
 // opposite to the edge bc, and vertex d of n, triangles (a, b, c) and (d, c, b) become (a, b, d),
 // which is t, and (a, d, c), which is n. So a is corner 0 of both, and their edges 0 are those of
-// n.
-VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uint32_t k) {
+// n. The corner of n opposite to the edge is m.
+VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uint32_t k,
+                            std::uint32_t m) {
   const LinkedTriangle one = triangles[t];
   const std::uint32_t n = one.neighbors[k];
   const LinkedTriangle two = triangles[n];
   const std::uint32_t k1 = corner_after(k), k2 = corner_before(k);
-  const std::uint32_t m = two.corner_opposite(t), m1 = corner_after(m), m2 = corner_before(m);
+  const std::uint32_t m1 = corner_after(m), m2 = corner_before(m);
   const std::uint32_t a = one.vertices[k], b = one.vertices[k1], c = one.vertices[k2],
                       d = two.vertices[m];
   // The corners m1 and m2 of n are c and b. So edge bd of n is opposite to m1, and dc to m2.
@@ -62,6 +63,9 @@ VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uin
                   {two.pieces[m2], one.pieces[k1], kNoPiece}};
   relink(triangles, t, 0, n);
   relink(triangles, n, 1, t);
+}
+VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uint32_t k) {
+  flip(triangles, t, k, triangles[triangles[t].neighbors[k]].corner_opposite(t));
 }
 
 }  // namespace vdwmesh

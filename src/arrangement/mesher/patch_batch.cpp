@@ -7,6 +7,7 @@
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -35,7 +36,7 @@ double clamped_edge(const PatchJob& job) {
 }
 
 template <class From, class To>
-void copy(const std::vector<From>& from, To* to) {
+void copy(const PatchVector<From>& from, To* to) {
   std::copy(from.begin(), from.end(), to);
 }
 
@@ -96,10 +97,13 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
 
 namespace {
 
-// The figures are those of an H200 and 16 cores of its host (docs/exact_mesh.md): the device takes
-// 18 ms for its slowest patch and one more for every 420, which are 65,536 patches in 156 ms; a
-// core meshes 7.5 in a millisecond, 16 of them the 65,536 in 541 ms, and looks at 70 boundaries.
-constexpr double kSlowest = 18, kOfDevice = 420, kOfCore = 7.5, kBoundariesOfCore = 70;
+// The figures are those of an H200 and 16 cores of its host (docs/exact_mesh.md). All patches of a
+// few thousand are under way at once, so the largest of them ends last: a thread takes 18 ms for
+// one of 750 points, which is haemoglobin's largest. More patches slow each other down by one
+// millisecond for every 420, as 65,536 patches take 156 ms. A core meshes 7.5 patches of 310 points
+// in a millisecond, since 16 of them take 541 ms for the 65,536, and looks at 30 boundaries.
+constexpr double kPointsOfThread = 750 / 18., kPatchesOfDevice = 420;
+constexpr double kPointsOfCore = 7.5 * 310, kBoundariesOfCore = 30;
 
 double cores() {
   return static_cast<double>(
@@ -108,23 +112,39 @@ double cores() {
 
 }  // namespace
 
-double busy_time(std::size_t sent, std::size_t visits) {
-  if (sent == 0) return 0;
-  return std::max(0.0, kSlowest + static_cast<double>(sent) / kOfDevice -
-                           static_cast<double>(visits) / (kBoundariesOfCore * cores()));
+double busy_after(double milliseconds, std::size_t boundaries) {
+  return std::max(0.0,
+                  milliseconds - static_cast<double>(boundaries) / (kBoundariesOfCore * cores()));
 }
 
-// Of some thousand patches as many as let the device and the host's cores end at the same time. Of
-// more patches all, since the cores then pack batches while the device meshes others: of 165,126,
+double busy_without(double milliseconds, std::size_t patches) {
+  return std::max(0.0, milliseconds - static_cast<double>(patches) / kPatchesOfDevice);
+}
+
+// Of some thousand patches it gets the smallest, because one thread meshes a patch, and as many as
+// let the device and the host's cores end at the same time. Of more patches it gets all, if it has
+// nothing else to do, since the cores then pack batches while the device meshes others: of 165,126,
 // the first round took 0.47 s so, and 0.53 s when they were shared. Few are not worth the transfer.
-std::size_t patches_for_device(std::size_t count, double busy) {
+DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, double busy) {
   constexpr std::size_t kMany = 16384;
-  if (count < kLeastPatchesForDevice) return 0;
-  if (count >= kMany) return count;
-  const double n = static_cast<double>(count);
-  const double of_host =
-      (busy + kSlowest + n / kOfDevice) / (1 / (kOfCore * cores()) + 1 / kOfDevice);
-  return count - static_cast<std::size_t>(std::min(n, of_host));
+  if (sizes.size() < kLeastPatchesForDevice) return {};
+  std::size_t count = sizes.size();
+  const auto of_device = [&](std::uint32_t largest) {
+    return largest / kPointsOfThread + static_cast<double>(count) / kPatchesOfDevice;
+  };
+  if (count >= kMany && busy == 0) {
+    const std::uint32_t largest = *std::ranges::max_element(sizes);
+    return {largest, of_device(largest)};
+  }
+  tbb::parallel_sort(sizes.begin(), sizes.end());
+  double points = 0;  // of the patches for the host
+  for (; count > 0; --count) {
+    const std::uint32_t largest = sizes[count - 1];
+    if (points / (kPointsOfCore * cores()) >= busy + of_device(largest)) break;
+    points += largest;
+  }
+  if (count == 0) return {};
+  return {sizes[count - 1], of_device(sizes[count - 1])};
 }
 
 PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint32_t> which)

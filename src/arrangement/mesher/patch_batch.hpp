@@ -24,12 +24,19 @@ bool is_for_device(const PatchSizes& sizes);
 std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
                                                    std::size_t free_bytes);
 
-// How many of so many patches a device gets (DeviceWork::balanced), if it is busy for so many
-// milliseconds before it can begin.
-std::size_t patches_for_device(std::size_t count, double busy = 0);
-// The milliseconds for which a device is busy with so many patches that were sent to it before the
-// host looked at the boundaries of `visits` others.
-double busy_time(std::size_t sent, std::size_t visits);
+// What a device gets of some patches (DeviceWork::balanced): those of up to so many points
+// (PatchSizes::most_points), and for how many milliseconds it is busy with them.
+struct DeviceLoad {
+  std::uint32_t most_points = 0;
+  double milliseconds = 0;
+};
+// `sizes` are the points of each patch, and the device is busy for so many milliseconds before it
+// can begin.
+DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, double busy = 0);
+// For how many of so many milliseconds a device is still busy after the host has looked at so many
+// boundaries, or if so many patches are taken back from it.
+double busy_after(double milliseconds, std::size_t boundaries);
+double busy_without(double milliseconds, std::size_t patches);
 // Of how many patches at least it is worth sending them to a device.
 inline constexpr std::size_t kLeastPatchesForDevice = 1024;
 

@@ -151,13 +151,18 @@ void gather_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, co
     // great circle, and half of this falls to each end. For a cap smaller than a hemisphere, cos a
     // is positive and the arc bulges away from the cap, into the patch.
     const double half_turn = cosine / 2;
+    std::uint32_t from = numbers.of(0);
+    double begin = 0;  // of the piece, as a fraction of the arc
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t from = numbers.of(k), to = numbers.of(k + 1);
+      const std::uint32_t to = numbers.of(k + 1);
+      const double end = sampling.part(a, k + 1);
       out.pieces.push_back({is_first ? to : from,
                             is_first ? from : to,
                             circle,
                             {a, k},
-                            half_turn * sampling.piece_angle({a, k})});
+                            half_turn * (arc.sweep * (end - begin))});
+      from = to;
+      begin = end;
     }
   }
 }
@@ -170,11 +175,22 @@ void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
     return covered_cap(boundary, s, balls.balls[neighbor]);
   };
   out = {};
+  const std::span<const std::uint32_t> neighbors = index.neighbors(ball);
+  out.caps.reserve(neighbors.size());
+  for (const std::uint32_t n : neighbors) out.caps.push_back(cap_of(n));
+  // Only arcs between patches whose middle one had no width lie on a cap that is not listed.
+  const auto cosine_of = [&](std::uint32_t neighbor) {
+    const auto at = std::ranges::find(neighbors, neighbor);
+    return at == neighbors.end()
+               ? cap_of(neighbor).cosine
+               : out.caps[static_cast<std::size_t>(at - neighbors.begin())].cosine;
+  };
   std::vector<RimArc> rims;
+  rims.reserve(index.arcs(ball).size());
   for (const std::uint32_t a : index.arcs(ball)) {
     const auto& of_arc = boundary.arcs[a].balls;
     const std::uint32_t neighbor = of_arc[of_arc[0] == ball ? 1 : 0];
-    rims.push_back({a, neighbor, cap_of(neighbor).cosine});
+    rims.push_back({a, neighbor, cosine_of(neighbor)});
   }
   gather_pieces(boundary, sampling, s, ball, rims, out);
   // The spheres through corners that were joined.
@@ -187,8 +203,6 @@ void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
       }
     }
   }
-  out.caps.reserve(index.neighbors(ball).size());
-  for (const std::uint32_t n : index.neighbors(ball)) out.caps.push_back(cap_of(n));
 }
 
 std::vector<std::uint32_t> boundary_order(std::size_t points) {
@@ -243,19 +257,17 @@ SplitChain split_piece(const Sphere& s, const ArcSampling& sampling, bool backwa
 
 void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, const Sphere& s,
                   std::uint32_t side, std::span<const PieceSplit> splits, PatchBoundary& out,
-                  std::vector<SplitChain>& chains) {
+                  PatchVector<SplitChain>& chains) {
+  if (splits.empty()) return;
   const auto count = static_cast<std::uint32_t>(out.pieces.size());
-  // The first split of an arc, or where it would be. Pieces of one arc follow each other as a rule,
-  // and the list of all splits is long, so it is looked up once for them.
+  // The first split of an arc. Pieces of one arc follow each other as a rule.
   std::uint32_t arc = kNoIndex;
-  auto first = splits.begin();
+  auto first = splits.end();
   for (std::uint32_t p = 0; p < count; ++p) {
     const ArcPiece source = out.pieces[p].source;
     if (source.arc != arc) {
       arc = source.arc;
-      first = std::lower_bound(
-          splits.begin(), splits.end(), ArcPiece{arc, 0},
-          [](const PieceSplit& request, const ArcPiece& piece) { return request.piece < piece; });
+      first = splits.begin() + static_cast<std::ptrdiff_t>(sampling.first_split(arc, splits));
     }
     auto split = first;
     // Splits before the piece on its arc have moved its number.

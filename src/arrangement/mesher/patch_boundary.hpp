@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "arrangement/mesher/arc_sampling.hpp"
+#include "arrangement/mesher/patch_vector.hpp"
 #include "arrangement/mesher/row_lists.hpp"
 #include "core/sorted_rows.hpp"
 
@@ -52,12 +53,12 @@ struct PatchBoundary {
   // Unit vectors from the sphere's centre: first the corners in the order of their indices in
   // BoundaryArcs, then arc by arc the sample points between its ends, then what split_pieces() has
   // added.
-  std::vector<Vec3d> points;
-  std::vector<BoundaryPiece> pieces;
-  std::vector<CoveredCap> caps;  // one per edge of the ball in the dual complex
+  PatchVector<Vec3d> points;
+  PatchVector<BoundaryPiece> pieces;
+  PatchVector<CoveredCap> caps;  // one per edge of the ball in the dual complex
   // All other spheres through corners, if corners were joined; the pieces of this patch alone do
   // not show them. Empty otherwise.
-  std::vector<SphereThrough> through;
+  PatchVector<SphereThrough> through;
 };
 
 // The same in memory of somebody else.
@@ -152,7 +153,7 @@ void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
 // after the split; the boundary must be as before.
 void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, const Sphere& s,
                   std::uint32_t side, std::span<const PieceSplit> splits, PatchBoundary& out,
-                  std::vector<SplitChain>& chains);
+                  PatchVector<SplitChain>& chains);
 // Writes the sources of the points of an up-to-date boundary, that of the patch `side`.
 void point_sources(const BoundaryArcs& boundary, const ArcSampling& sampling, std::uint32_t side,
                    const PatchBoundary& points, std::span<PointSource> out);

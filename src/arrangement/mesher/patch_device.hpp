@@ -26,9 +26,11 @@ struct PatchJob {
   bool is_withdrawn = false;
 
   // The rest is set by the device.
+  // Whether it has looked at the progress. It sets this where it looks (PatchOrder::look()).
+  bool is_begun = false;
   // Whether it has meshed the patch: then there are requests, or it keeps the result for place().
   bool is_done = false;
-  std::vector<PieceSplit> splits;  // as in PatchMesh
+  PatchVector<PieceSplit> splits;  // as in PatchMesh
   bool is_kept = false;
   std::uint32_t interior = 0, triangles = 0;  // how many points and triangles it keeps
   std::uint64_t kept = 0;                     // the device's name for the result

@@ -13,9 +13,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "arrangement/mesher/exact_plane_predicates.hpp"
+#include "arrangement/mesher/patch_vector.hpp"
 #include "core/host_device.hpp"
 
 namespace vdwmesh {
@@ -23,7 +23,7 @@ namespace vdwmesh {
 class GrowingMemory {
  public:
   template <class T>
-  using Array = std::vector<T>;
+  using Array = PatchVector<T>;
   static constexpr bool kIsBounded = false;
 
   bool has_failed() const { return false; }

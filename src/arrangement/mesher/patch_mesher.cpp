@@ -15,7 +15,7 @@ namespace vdwmesh {
 
 // If a split of one piece was asked for several times, the largest number of halvings counts. It
 // comes first in descending order, and unique() keeps it.
-void sort_requests(std::vector<PieceSplit>& splits) {
+void sort_requests(PatchVector<PieceSplit>& splits) {
   std::sort(splits.begin(), splits.end(), std::greater<>());
   const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
   splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());

@@ -34,12 +34,12 @@ struct PatchOptions {
 // again. Vertices of triangles are numbered: first the points of the boundary, then the interior
 // points. A run of stage `boundary` returns requests only, and nothing if no piece must be split.
 struct PatchMesh {
-  std::vector<Vec3d> interior;                          // unit vectors from the sphere's centre
-  std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
-  std::vector<PieceSplit> splits;                       // requests, each piece once
+  PatchVector<Vec3d> interior;                          // unit vectors from the sphere's centre
+  PatchVector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
+  PatchVector<PieceSplit> splits;                       // requests, each piece once
   std::uint64_t exact_tests = 0;  // tests that double precision did not decide
   // Of the points of the boundary. mesh_patch() leaves it empty; UnionMesher fills it.
-  std::vector<PointSource> sources = {};
+  PatchVector<PointSource> sources = {};
 };
 
 // Points spread evenly over the unit sphere, from which mesh_patch() takes interior points of a
@@ -67,9 +67,12 @@ class SpherePoints {
 // they have to be inserted in the next round.
 struct PatchProgress {
   PatchBoundary boundary;
-  std::vector<SplitChain> chains;
+  PatchVector<SplitChain> chains;
   PlaneTriangulation::State plane;
   bool is_triangulated = false;
+
+  static void* operator new(std::size_t bytes) { return take_patch_memory(bytes); }
+  static void operator delete(void* memory) noexcept { give_patch_memory(memory); }
 };
 
 // Memory for meshing one patch at a time, kept for the next one.
@@ -92,7 +95,7 @@ struct PatchScratch : PatchWork<GrowingMemory> {
 PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options, PatchScratch& scratch);
 // Sorts requests by descending piece, as PatchMesh has them, and keeps one for each piece: that
 // with the most halvings.
-void sort_requests(std::vector<PieceSplit>& splits);
+void sort_requests(PatchVector<PieceSplit>& splits);
 
 // Meshes a whole sphere: a subdivided icosahedron. All points are interior points. The edge length
 // is a fraction of the radius.

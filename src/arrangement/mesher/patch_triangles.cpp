@@ -12,6 +12,6 @@ VDWMESH_MULTIVERSION void smooth(const PatchBoundaryView& boundary, const PointC
 }
 
 template void find_defects(const PatchBoundaryView& boundary, const PatchTriangles& patch,
-                           std::vector<std::uint32_t>& found);
+                           PatchVector<std::uint32_t>& found);
 
 }  // namespace vdwmesh

@@ -56,6 +56,6 @@ VDWMESH_HD void find_defects(const PatchBoundaryView& boundary,
                              typename Memory::template Array<std::uint32_t>& found);
 extern template void find_defects<GrowingMemory>(const PatchBoundaryView& boundary,
                                                  const PatchTriangles& patch,
-                                                 std::vector<std::uint32_t>& found);
+                                                 PatchVector<std::uint32_t>& found);
 
 }  // namespace vdwmesh

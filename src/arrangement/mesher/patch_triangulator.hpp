@@ -98,21 +98,19 @@ class PatchTriangulator {
     splits_.push_back({boundary_.pieces[piece].source, halvings});
   }
 
-  // Whether edge k of triangle t is a piece that has t on its left.
-  VDWMESH_HD bool is_left_of_piece(std::uint32_t t, std::uint32_t k) const {
-    const LinkedTriangle& w = plane_.triangle(t);
-    return w.pieces[k] != kNoPiece &&
-           boundary_.pieces[w.pieces[k]].from == w.vertices[corner_after(k)];
-  }
-
   // Lists every piece in work_.pieces, as 4 t + k for the triangle t on its left, whose edge k it
   // is.
   VDWMESH_HD void list_pieces() {
     work_.pieces.clear();
-    const auto count = static_cast<std::uint32_t>(plane_.triangles().size());
-    for (std::uint32_t t = 0; t < count; ++t) {
+    const std::span<const LinkedTriangle> triangles = plane_.triangles();
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      const LinkedTriangle& w = triangles[t];
+      // All bits of kNoPiece are set.
+      if ((w.pieces[0] & w.pieces[1] & w.pieces[2]) == kNoPiece) continue;
       for (std::uint32_t k = 0; k < 3; ++k) {
-        if (is_left_of_piece(t, k)) work_.pieces.push_back(4 * t + k);
+        const bool is_left = w.pieces[k] != kNoPiece &&
+                             boundary_.pieces[w.pieces[k]].from == w.vertices[corner_after(k)];
+        if (is_left) work_.pieces.push_back(4 * t + k);
       }
     }
   }

@@ -1,9 +1,7 @@
-// Insertion of points and pieces into the triangulation.
+// Insertion of points into the triangulation. piece_insertion.hpp inserts pieces.
 //
 // A point is found by a walk from a triangle near it. The triangle is split into three, and edges
-// opposite to the point are flipped while they are not Delaunay. A piece that is no edge yet is
-// made one by flipping the edges that it crosses (Sloan 1993, "A fast algorithm for generating
-// constrained Delaunay triangulations"), then the flipped edges are made Delaunay again.
+// opposite to the point are flipped while they are not Delaunay.
 //
 // Why this ends: an edge is flipped only if the fourth point lies strictly inside the circle, by an
 // exact test. Each flip then lowers the surface over the plane that has the height x² + y² at the
@@ -101,7 +99,7 @@ template <class Memory>
 VDWMESH_HD void PlaneTriangulationOf<Memory>::reset_scratch(const Circles* circles) {
   errors_ = PlaneErrors::up_to(largest_);
   circles_ = circles;
-  inside_.assign(triangles_.size(), 0);
+  inside_.assign(triangles_.size(), Side::outside);
   visits_.clear();
   search_ = 0;
   turn_ = 0;
@@ -223,15 +221,6 @@ VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::search_all(const P
   return {0, 0, Place::outside};
 }
 
-// Returns the first of the new triangles.
-template <class Memory>
-VDWMESH_HD std::uint32_t PlaneTriangulationOf<Memory>::add_triangles(std::size_t count) {
-  const std::size_t first = triangles_.size();
-  triangles_.resize(first + count);
-  inside_.resize(first + count);
-  return static_cast<std::uint32_t>(first);
-}
-
 // Splits triangle t at a vertex inside of it, or on one of its edges; then one of the three new
 // triangles is flat until the caller flips its edge. The new triangle at edge k of t is (vertex,
 // v[k
@@ -239,17 +228,22 @@ VDWMESH_HD std::uint32_t PlaneTriangulationOf<Memory>::add_triangles(std::size_t
 template <class Memory>
 VDWMESH_HD void PlaneTriangulationOf<Memory>::split(std::uint32_t t, std::uint32_t vertex) {
   const LinkedTriangle old = triangles_[t];
-  const std::uint32_t added = add_triangles(2);
+  const auto added = static_cast<std::uint32_t>(triangles_.size());
   const std::array<std::uint32_t, 3> parts{t, added, added + 1};
   for (std::uint32_t k = 0; k < 3; ++k) {
-    const std::uint32_t k1 = corner_after(k), k2 = corner_before(k), part = parts[k];
-    triangles_[part] = {{vertex, old.vertices[k1], old.vertices[k2]},
-                        {old.neighbors[k], parts[k1], parts[k2]},
-                        {old.pieces[k], kNoPiece, kNoPiece}};
-    if (part != t) relink(triangles_.data(), part, 0, t);
-    inside_[part] = inside_[t];
-    star(old.vertices[k1]) = part;
-    stack_.push_back(part);
+    const std::uint32_t k1 = corner_after(k), k2 = corner_before(k);
+    const LinkedTriangle part{{vertex, old.vertices[k1], old.vertices[k2]},
+                              {old.neighbors[k], parts[k1], parts[k2]},
+                              {old.pieces[k], kNoPiece, kNoPiece}};
+    if (k == 0) {
+      triangles_[t] = part;
+    } else {
+      triangles_.push_back(part);
+      inside_.push_back(inside_[t]);
+      relink(triangles_.data(), parts[k], 0, t);
+    }
+    star(old.vertices[k1]) = parts[k];
+    stack_.push_back(parts[k]);
   }
   star(vertex) = t;
 }
@@ -276,15 +270,22 @@ VDWMESH_HD bool PlaneTriangulationOf<Memory>::should_flip(std::uint32_t t, std::
   return in_circle(w, point(apex), apex) > 0;
 }
 
-// Flips edges opposite to a new vertex, which is corner 0 of the triangles on the stack.
+// Flips edges opposite to a new vertex, which is corner 0 of the triangles on the stack. What
+// should_flip() and flip_edge() do, with one look at each triangle.
 template <class Memory>
 VDWMESH_HD void PlaneTriangulationOf<Memory>::legalize_around_new() {
+  LinkedTriangle* const all = triangles_.data();
   while (!stack_.empty()) {
     const std::uint32_t t = stack_.back();
     stack_.pop_back();
-    if (!should_flip(t, 0)) continue;
-    const std::uint32_t n = triangles_[t].neighbors[0];
-    flip_edge(t, 0);
+    const LinkedTriangle& w = all[t];
+    const std::uint32_t n = w.neighbors[0];
+    if (n == kNoNeighbor || w.pieces[0] != kNoPiece) continue;
+    const std::uint32_t m = all[n].corner_opposite(t), apex = all[n].vertices[m];
+    if (!(in_circle(w, point(apex), apex) > 0)) continue;
+    star(w.vertices[1]) = t;
+    star(w.vertices[2]) = n;
+    flip(all, t, 0, m);
     stack_.push_back(t);
     stack_.push_back(n);
   }
@@ -307,160 +308,6 @@ VDWMESH_HD void PlaneTriangulationOf<Memory>::insert_here(std::uint32_t vertex,
     flip_edge(flat, 0);
   }
   legalize_around_new();
-}
-
-// Finds the edge between two vertices. Of its two triangles, takes the one that has it from a to b
-// counter-clockwise, so on the left. Sides of the frame are not found.
-template <class Memory>
-VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge(std::uint32_t a, std::uint32_t b,
-                                                        Edge& edge) const {
-  if (!is_frame(a)) return find_edge_at(a, b, edge);
-  if (is_frame(b) || !find_edge_at(b, a, edge)) return false;
-  const std::uint32_t n = triangles_[edge.triangle].neighbors[edge.corner];
-  edge = {n, triangles_[n].corner_opposite(edge.triangle)};
-  return true;
-}
-
-// find_edge() by the star of vertex a, which is no corner of the frame.
-template <class Memory>
-VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge_at(std::uint32_t a, std::uint32_t b,
-                                                           Edge& edge) const {
-  bool found = false;
-  visit_star(a, [&](std::uint32_t t) {
-    const LinkedTriangle& w = triangles_[t];
-    const std::uint32_t k = w.corner_at(a);
-    if (w.vertices[corner_after(k)] != b) return;
-    edge = {t, corner_before(k)};
-    found = true;
-  });
-  return found;
-}
-
-template <class Memory>
-VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::set_piece(const Edge& edge,
-                                                                       std::uint32_t piece) {
-  LinkedTriangle& one = triangles_[edge.triangle];
-  if (one.pieces[edge.corner] != kNoPiece) return Outcome::doubled;
-  LinkedTriangle& other = triangles_[one.neighbors[edge.corner]];
-  one.pieces[edge.corner] = piece;
-  other.pieces[other.corner_opposite(edge.triangle)] = piece;
-  return Outcome::inserted;
-}
-
-template <class Memory>
-VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::insert_piece(std::uint32_t from,
-                                                                          std::uint32_t to,
-                                                                          std::uint32_t piece) {
-  Edge edge{};
-  if (!find_edge(from, to, edge)) {
-    const Outcome outcome = find_crossed(from, to);
-    if (outcome != Outcome::inserted) return outcome;
-    flip_crossed(from, to);
-    legalize_flipped(from, to);
-    find_edge(from, to, edge);
-  }
-  return set_piece(edge, piece);
-}
-
-// Finds the triangle at `from` which the segment to `to` leaves through the opposite edge. The
-// result is not `inserted` if there is none, or if that edge is a piece.
-template <class Memory>
-VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::first_crossed(std::uint32_t from,
-                                                                           std::uint32_t to,
-                                                                           Edge& edge) {
-  Outcome outcome = Outcome::blocked;
-  visit_star(from, [&](std::uint32_t t) {
-    const LinkedTriangle& w = triangles_[t];
-    const std::uint32_t k = w.corner_at(from);
-    const std::uint32_t right = w.vertices[corner_after(k)], left = w.vertices[corner_before(k)];
-    if (orientation_of(from, right, to) <= 0 || orientation_of(from, left, to) >= 0) return;
-    edge = {t, k};
-    outcome = w.pieces[k] == kNoPiece ? Outcome::inserted : Outcome::crossing;
-  });
-  return outcome;
-}
-
-// Lists in crossed_ the edges that the segment crosses, from `from` on, as pairs of vertices. Stops
-// at a piece or at a vertex that lies on the segment.
-template <class Memory>
-VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::find_crossed(std::uint32_t from,
-                                                                          std::uint32_t to) {
-  crossed_.clear();
-  Edge edge{};
-  if (const Outcome first = first_crossed(from, to, edge); first != Outcome::inserted) return first;
-  while (true) {
-    const LinkedTriangle& w = triangles_[edge.triangle];
-    crossed_.push_back(
-        {w.vertices[corner_after(edge.corner)], w.vertices[corner_before(edge.corner)]});
-    const std::uint32_t n = w.neighbors[edge.corner];
-    const std::uint32_t m = triangles_[n].corner_opposite(edge.triangle);
-    const std::uint32_t apex = triangles_[n].vertices[m];
-    if (apex == to) return Outcome::inserted;
-    const int side = orientation_of(from, to, apex);
-    if (side == 0) return Outcome::blocked;
-    // In n, corner m + 1 is on the left of the segment and m + 2 on the right. The segment leaves
-    // between the apex and the vertex on its other side.
-    edge = {n, side > 0 ? corner_after(m) : corner_before(m)};
-    if (triangles_[n].pieces[edge.corner] != kNoPiece) return Outcome::crossing;
-  }
-}
-
-// Flips the edges of crossed_ until none crosses the segment. An edge whose triangles form no
-// convex quadrilateral has to wait until others are flipped. Lists the new edges in flipped_.
-template <class Memory>
-VDWMESH_HD void PlaneTriangulationOf<Memory>::flip_crossed(std::uint32_t from, std::uint32_t to) {
-  flipped_.clear();
-  for (std::size_t i = 0; i < crossed_.size() && !memory_.has_failed(); ++i) {
-    const auto [b, c] = crossed_[i];
-    Edge edge{};
-    find_edge(b, c, edge);
-    const std::uint32_t t = edge.triangle, n = triangles_[t].neighbors[edge.corner];
-    const std::uint32_t a = triangles_[t].vertices[edge.corner];
-    const std::uint32_t d = triangles_[n].vertices[triangles_[n].corner_opposite(t)];
-    const bool convex = orientation_of(a, b, d) > 0 && orientation_of(a, d, c) > 0;
-    if (!convex) {
-      crossed_.push_back({b, c});
-      continue;
-    }
-    flip_edge(t, edge.corner);
-    const bool crosses = a != from && a != to && d != from && d != to &&
-                         orientation_of(from, to, a) != orientation_of(from, to, d);
-    (crosses ? crossed_ : flipped_).push_back({a, d});
-  }
-}
-
-// Makes the new edges of flip_crossed() Delaunay, and the edges around those that are flipped for
-// it, but leaves the segment itself.
-template <class Memory>
-VDWMESH_HD void PlaneTriangulationOf<Memory>::legalize_flipped(std::uint32_t from,
-                                                               std::uint32_t to) {
-  while (!flipped_.empty()) {
-    const auto [a, b] = flipped_.back();
-    flipped_.pop_back();
-    Edge edge{};
-    if ((a == from && b == to) || (a == to && b == from) || !find_edge(a, b, edge)) continue;
-    if (!should_flip(edge.triangle, edge.corner)) continue;
-    const std::uint32_t t = edge.triangle, n = triangles_[t].neighbors[edge.corner];
-    flip_edge(t, edge.corner);
-    // The four edges around: 0 and 2 of t, 0 and 1 of n.
-    const auto &v = triangles_[t].vertices, &w = triangles_[n].vertices;
-    for (const VertexPair& around :
-         {VertexPair{v[1], v[2]}, {v[0], v[1]}, {w[1], w[2]}, {w[2], w[0]}}) {
-      flipped_.push_back(around);
-    }
-  }
-}
-
-template <class Memory>
-VDWMESH_HD void PlaneTriangulationOf<Memory>::remove_piece(std::uint32_t from, std::uint32_t to) {
-  Edge edge{};
-  if (!find_edge(from, to, edge)) return;
-  LinkedTriangle& one = triangles_[edge.triangle];
-  LinkedTriangle& other = triangles_[one.neighbors[edge.corner]];
-  one.pieces[edge.corner] = kNoPiece;
-  other.pieces[other.corner_opposite(edge.triangle)] = kNoPiece;
-  flipped_.assign(1, VertexPair{from, to});
-  legalize_flipped(kNoVertex, kNoVertex);
 }
 
 template <class Memory>

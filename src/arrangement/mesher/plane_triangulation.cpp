@@ -1,7 +1,8 @@
-// The triangulation in the plane (plane_insertion.hpp), compiled for the host. What takes most of
-// the time is compiled in two versions, for two generations of processors.
+// The triangulation in the plane (plane_insertion.hpp, piece_insertion.hpp), compiled for the host.
+// What takes most of the time is compiled in two versions, for two generations of processors.
 #include "arrangement/mesher/plane_triangulation.hpp"
 
+#include "arrangement/mesher/piece_insertion.hpp"
 #include "arrangement/mesher/plane_insertion.hpp"
 #include "core/multiversion.hpp"
 

@@ -107,8 +107,8 @@ class PlaneTriangulationOf : public PlaneTypes {
 
   // Whether a triangle is marked as inside a patch. Triangles that an insertion makes of a marked
   // triangle are marked, too; flips never join marked and unmarked triangles, if pieces part them.
-  VDWMESH_HD bool is_inside(std::uint32_t t) const { return inside_[t] != 0; }
-  VDWMESH_HD void mark_inside(std::uint32_t t) { inside_[t] = 1; }
+  VDWMESH_HD bool is_inside(std::uint32_t t) const { return inside_[t] == Side::inside; }
+  VDWMESH_HD void mark_inside(std::uint32_t t) { inside_[t] = Side::inside; }
 
   // Whether one more point can be added and inserted. If not, bounded memory has failed.
   VDWMESH_HD bool has_room() const {
@@ -166,7 +166,6 @@ class PlaneTriangulationOf : public PlaneTypes {
     return w.neighbors[corner_after(w.corner_at(vertex))];
   }
   VDWMESH_HD std::uint32_t& star(std::uint32_t vertex) { return star_[vertex + kFrameCorners]; }
-  VDWMESH_HD std::uint32_t add_triangles(std::size_t count);
   VDWMESH_HD void split(std::uint32_t t, std::uint32_t vertex);
   VDWMESH_HD void flip_edge(std::uint32_t t, std::uint32_t corner);
   VDWMESH_HD void legalize_around_new();
@@ -174,6 +173,7 @@ class PlaneTriangulationOf : public PlaneTypes {
 
   VDWMESH_HD bool find_edge(std::uint32_t a, std::uint32_t b, Edge& edge) const;
   VDWMESH_HD bool find_edge_at(std::uint32_t a, std::uint32_t b, Edge& edge) const;
+  VDWMESH_HD bool find_listed(const ListedEdge& listed, Edge& edge) const;
   VDWMESH_HD Outcome set_piece(const Edge& edge, std::uint32_t piece);
   VDWMESH_HD Outcome find_crossed(std::uint32_t from, std::uint32_t to);
   VDWMESH_HD Outcome first_crossed(std::uint32_t from, std::uint32_t to, Edge& edge);
@@ -187,12 +187,15 @@ class PlaneTriangulationOf : public PlaneTypes {
   const Circles* circles_ = nullptr;
   Array<PlanePoint> points_;
   Array<LinkedTriangle> triangles_;
-  Array<std::uint32_t> star_;    // by vertex: a triangle at it
-  Array<std::uint8_t> inside_;   // by triangle
+  Array<std::uint32_t> star_;  // by vertex: a triangle at it
+  // An enumeration and no std::uint8_t: writing a character, a compiler has to reckon with a change
+  // of everything else.
+  enum class Side : std::uint8_t { outside, inside };
+  Array<Side> inside_;           // by triangle
   Array<std::uint32_t> stack_;   // scratch memory: triangles to look at
   Array<std::uint32_t> visits_;  // by triangle: the last search that came by
   Array<Edge> found_;
-  Array<VertexPair> crossed_, flipped_;  // scratch memory of insert_piece()
+  Array<ListedEdge> crossed_, flipped_;  // scratch memory of insert_piece()
   std::uint32_t search_ = 0;             // number of the last search
   std::uint32_t turn_ = 0;               // where locate() begins in a triangle
   std::uint64_t exact_tests_ = 0;

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "arrangement/mesher/linked_triangle.hpp"
+#include "arrangement/mesher/patch_vector.hpp"
 #include "arrangement/mesher/plane_predicates.hpp"
 
 namespace vdwmesh {
@@ -27,12 +27,14 @@ struct PlaneTypes {
   // The points and triangles, without marks. With resume() one can go on from there later.
   struct State {
     double largest = 0;
-    std::vector<PlanePoint> points;
-    std::vector<LinkedTriangle> triangles;
-    std::vector<std::uint32_t> star;
+    PatchVector<PlanePoint> points;
+    PatchVector<LinkedTriangle> triangles;
+    PatchVector<std::uint32_t> star;
   };
-  struct VertexPair {
-    std::uint32_t from, to;
+  // An edge between two vertices, and the triangle that had it on its left when it was listed.
+  // Flips may have changed that triangle since.
+  struct ListedEdge {
+    std::uint32_t from, to, triangle;
   };
 };
 

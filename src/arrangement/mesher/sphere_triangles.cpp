@@ -118,7 +118,8 @@ class FaceDivider {
 
 PatchMesh mesh_sphere(double edge_length) {
   PatchMesh out;
-  out.interior = icosahedron_points();
+  const std::vector<Vec3d> corners = icosahedron_points();
+  out.interior.assign(corners.begin(), corners.end());
   FaceDivider divider(parts_of_edge(edge_length), out);
   for (const auto& face : kFaces) divider.divide(face);
   return out;

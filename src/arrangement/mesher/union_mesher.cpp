@@ -275,49 +275,62 @@ class UnionMesher {
       on_device_->withdraw(b);
     }
     if (stage == PatchStage::triangles) return;
-    if (on_device_->sent() > 0) boundaries_meanwhile_ += balls.size();
+    device_busy_ = busy_after(device_busy_, balls.size());
     std::vector<std::uint32_t> quiet;
     std::ranges::set_difference(balls, next, std::back_inserter(quiet));
     // One that was withdrawn waits for the end.
     std::erase_if(quiet, [&](std::uint32_t b) { return on_device_->was_sent(b); });
-    if (options_.device_work == DeviceWork::all || quiet.size() >= kLeastPatchesForDevice) {
-      send_to_device(quiet);
-    }
+    send_to_device(take_for_device(quiet));
     on_device_->let_read();
+  }
+
+  // Takes out of `balls` the patches that the device shall mesh.
+  std::vector<std::uint32_t> take_for_device(std::vector<std::uint32_t>& balls) {
+    if (options_.device_work == DeviceWork::all) return std::exchange(balls, {});
+    std::vector<std::uint32_t> sizes(balls.size()), taken, others;
+    for_each_index(balls.size(),
+                   [&](std::size_t i) { sizes[i] = sizes_of(job_of(balls[i])).most_points; });
+    const DeviceLoad load = load_for_device(sizes, device_busy_);
+    device_busy_ += load.milliseconds;
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      (sizes[i] <= load.most_points ? taken : others).push_back(balls[i]);
+    }
+    balls = std::move(others);
+    return taken;
   }
 
   // Precondition: the triangulations of the boundaries are up to date. The triangles are those of
   // the first round of the second series.
   void send_to_device(std::span<const std::uint32_t> balls) {
-    on_device_->send(balls.size(), [&](std::size_t i) {
-      const std::uint32_t b = balls[i];
-      const double r = t_.balls[b].radius;
-      PatchJob job{};
-      job.ball = b;
-      job.progress = progress_[b].get();
-      job.edge_length = edge_lengths_[b] / r;
-      job.area = areas_[b] / (r * r);
-      job.demand = Demand::quality;
-      return job;
-    });
+    on_device_->send(balls.size(), [&](std::size_t i) { return job_of(balls[i]); });
+  }
+
+  PatchJob job_of(std::uint32_t ball) const {
+    const double r = t_.balls[ball].radius;
+    PatchJob job{};
+    job.ball = ball;
+    job.progress = progress_[ball].get();
+    job.edge_length = edge_lengths_[ball] / r;
+    job.area = areas_[ball] / (r * r);
+    job.demand = Demand::quality;
+    return job;
   }
 
   // Lets the device mesh patches that have a boundary, and the host others meanwhile, and returns
-  // the balls that are left. Precondition: as send_to_device(), for all balls.
+  // the balls that are left. Both share what the device has not begun yet. Precondition: as
+  // send_to_device(), for all balls.
   std::vector<std::uint32_t> mesh_beside_device(const std::vector<std::uint32_t>& balls) {
-    const std::vector<std::uint32_t> rest =
+    if (options_.device_work != DeviceWork::all) {
+      device_busy_ = busy_without(device_busy_, on_device_->take_back());
+    }
+    std::vector<std::uint32_t> of_host =
         collect<std::uint32_t>(balls.size(), [&](std::size_t i, std::vector<std::uint32_t>& found) {
           const PatchProgress* const progress = progress_[balls[i]].get();
           if (progress && progress->is_triangulated && !on_device_->job(balls[i])) {
             found.push_back(balls[i]);
           }
         });
-    const double busy = busy_time(on_device_->sent(), boundaries_meanwhile_);
-    const std::size_t given = options_.device_work == DeviceWork::all
-                                  ? rest.size()
-                                  : patches_for_device(rest.size(), busy);
-    send_to_device(std::span(rest).first(given));
-    const std::span<const std::uint32_t> of_host = std::span(rest).subspan(given);
+    send_to_device(take_for_device(of_host));
     on_device_->finish([&] {
       tbb::parallel_for(std::size_t{0}, of_host.size(), [&](std::size_t i) {
         mesh_ball(of_host[i], Demand::quality, PatchStage::triangles);
@@ -371,7 +384,7 @@ class UnionMesher {
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
     std::vector<PieceSplit> splits =
         collect<PieceSplit>(balls.size(), [&](std::size_t i, std::vector<PieceSplit>& found) {
-          const std::vector<PieceSplit>& of_patch = patches_[balls[i]].splits;
+          const PatchVector<PieceSplit>& of_patch = patches_[balls[i]].splits;
           found.insert(found.end(), of_patch.begin(), of_patch.end());
         });
     merge_splits(splits);
@@ -466,7 +479,7 @@ class UnionMesher {
   ExactMeshStats stats_;
   // Empty without a device. It comes last: its thread, which ends with it, reads the others.
   std::optional<DevicePatches> on_device_;
-  std::size_t boundaries_meanwhile_ = 0;  // that were looked at since the device began
+  double device_busy_ = 0;  // ms, about
 };
 
 }  // namespace

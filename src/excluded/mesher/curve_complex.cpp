@@ -323,8 +323,8 @@ std::vector<RimArc> CurveComplex::rims_of(std::uint32_t face) const {
   return rims;
 }
 
-std::vector<CoveredCap> CurveComplex::caps_of(const SphereFace& face) const {
-  std::vector<CoveredCap> caps;
+PatchVector<CoveredCap> CurveComplex::caps_of(const SphereFace& face) const {
+  PatchVector<CoveredCap> caps;
   const auto& balls = grown_.triangulation.balls;
   if (!face.concave) {
     for (const std::uint32_t n : neighbors_[face.element]) {

@@ -61,7 +61,7 @@ class CurveComplex {
   std::span<const std::uint32_t> curves_of(std::uint32_t face) const { return curves_of_[face]; }
   std::vector<RimArc> rims_of(std::uint32_t face) const;
   // The caps that leave a sphere face of its sphere.
-  std::vector<CoveredCap> caps_of(const SphereFace& face) const;
+  PatchVector<CoveredCap> caps_of(const SphereFace& face) const;
   // The outward normal of the patches at a point of a curve that is not a corner.
   Vec3d normal_on(std::uint32_t curve, const Vec3d& point) const;
   const GrownAtoms& grown() const { return grown_; }

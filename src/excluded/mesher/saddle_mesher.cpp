@@ -400,7 +400,7 @@ class SaddleTriangulator {
   std::vector<Piece> pieces_;
   std::uint32_t boundary_count_ = 0;
   std::uint32_t cusp_ = kNoIndex;  // the point of the cusp, if there is one
-  std::vector<PieceSplit> splits_;
+  PatchVector<PieceSplit> splits_;
 };
 
 }  // namespace

@@ -23,9 +23,9 @@ struct CurvePoint {
 // accessible surface: scaled, and relative to AccessibleSurface::origin. Normals have length 1.
 struct SaddleMesh {
   std::vector<CurvePoint> boundary;
-  std::vector<Vec3d> interior, normals;                 // relative to the origin, scaled
-  std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
-  std::vector<PieceSplit> splits;                       // requests, in no order
+  PatchVector<Vec3d> interior, normals;                 // relative to the origin, scaled
+  PatchVector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
+  PatchVector<PieceSplit> splits;                       // requests, in no order
 };
 
 // `edge_length` of the options is scaled. `plane` is working memory, for use again and again.

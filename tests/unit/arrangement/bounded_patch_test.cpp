@@ -43,6 +43,7 @@ class HostedDevice final : public PatchDevice {
       std::vector<PointSource> sources;
       order.look([&] {
         batch.emplace(order.jobs, which);
+        for (const std::uint32_t k : which) order.jobs[k].is_begun = true;
         input.resize(batch->input_bytes());
         sources.resize(batch->first_sources().back());
         batch->pack(input.data());
@@ -240,20 +241,51 @@ TEST(DeviceBatches, LeaveRoomForTheirResults) {
   EXPECT_EQ(before, jobs.size());
 }
 
-// Few patches are for the host, many for the device, and between them cores leave it fewer.
-TEST(PatchesForDevice, DependsOnTheNumberOfPatchesAndOfCores) {
-  EXPECT_EQ(patches_for_device(0), 0u);
-  EXPECT_EQ(patches_for_device(1000), 0u);
-  EXPECT_EQ(patches_for_device(100'000), 100'000u);
+// Patches of 100 to 699 points.
+std::vector<std::uint32_t> sizes_of_patches(std::size_t count) {
+  std::vector<std::uint32_t> sizes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    sizes[i] = 100 + static_cast<std::uint32_t>(7919 * i % 600);
+  }
+  return sizes;
+}
+
+// Few patches are for the host, many for the device, and between them cores leave it fewer, the
+// smallest.
+TEST(PatchesForDevice, DependOnTheNumberOfPatchesAndOfCores) {
+  EXPECT_EQ(load_for_device({}).most_points, 0u);
+  EXPECT_EQ(load_for_device(sizes_of_patches(1000)).most_points, 0u);
+  EXPECT_EQ(load_for_device(sizes_of_patches(100'000)).most_points, 699u);
   for (const std::size_t count : {2000u, 4556u, 16'000u}) {
-    std::size_t before = count;
+    DeviceLoad before{699, 1e300};
     for (const std::size_t cores : {1u, 2u, 4u, 8u}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, cores);
-      const std::size_t given = patches_for_device(count);
-      EXPECT_LT(given, before) << count << " patches, cores " << cores;
-      before = given;
+      const DeviceLoad load = load_for_device(sizes_of_patches(count));
+      EXPECT_LE(load.most_points, before.most_points) << count << " patches, cores " << cores;
+      EXPECT_LT(load.milliseconds, before.milliseconds) << count << " patches, cores " << cores;
+      EXPECT_GT(load.milliseconds, 0) << count << " patches, cores " << cores;
+      before = load;
     }
   }
+}
+
+// The later it can begin, the less it gets.
+TEST(PatchesForDevice, ABusyDeviceGetsFewer) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 8);
+  std::uint32_t before = 699;
+  for (const double busy : {0.0, 10.0, 20.0, 40.0}) {
+    const std::uint32_t most_points = load_for_device(sizes_of_patches(4556), busy).most_points;
+    EXPECT_LE(most_points, before);
+    before = most_points;
+  }
+  EXPECT_LT(before, load_for_device(sizes_of_patches(4556)).most_points);
+  EXPECT_EQ(load_for_device(sizes_of_patches(4556), 1e9).most_points, 0u);
+  EXPECT_EQ(busy_without(1, 100'000), 0);
+  EXPECT_LT(busy_without(30, 1000), 30);
+  EXPECT_EQ(busy_after(0, 1000), 0);
+  EXPECT_EQ(busy_after(1, 1'000'000), 0);
+  EXPECT_LT(busy_after(30, 1000), 30);
+  EXPECT_GT(busy_after(30, 1000), 0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "arrangement/directions.hpp"
@@ -28,7 +29,7 @@ PatchBoundary boundary_at_origin(const SphereSet& spheres) {
 }
 
 // A hair on either side of the rim, whose points come from the arcs.
-void expect_rim(const CoveredCap& cap, const std::vector<Vec3d>& rim) {
+void expect_rim(const CoveredCap& cap, std::span<const Vec3d> rim) {
   const Vec3d middle = cap.cosine >= 0 ? cap.axis : -1.0 * cap.axis;
   for (const Vec3d& p : rim) {
     const Vec3d inwards = unit(p + 0.001 * (middle - p)), outwards = unit(p - 0.001 * (middle - p));
@@ -155,7 +156,7 @@ TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
     sampling.split(splits);
     sampling.number_vertices();
     for (std::uint32_t b = 0; b < balls; ++b) {
-      std::vector<SplitChain> chains;
+      PatchVector<SplitChain> chains;
       split_pieces(arcs, sampling, triangulation.balls[b], b, splits, boundaries[b], chains);
       PatchBoundary gathered;
       gather_boundary(triangulation, arcs, sampling, index, b, gathered);

@@ -32,11 +32,11 @@ std::vector<std::uint32_t> defects_of(const std::array<std::uint32_t, 3>& vertic
     patch.points.push_back(p);
   }
   patch.triangles = {{vertices, {kNoNeighbor, kNoNeighbor, kNoNeighbor}, pieces}};
-  std::vector<std::uint32_t> found;
+  PatchVector<std::uint32_t> found;
   find_defects<GrowingMemory>(boundary, patch, found);
   std::ranges::sort(found);
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
+  return {found.begin(), found.end()};
 }
 
 using Pieces = std::vector<std::uint32_t>;
