@@ -172,8 +172,9 @@ PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint
                 false};
   });
   std::erase_if(needs, [](const Need& need) { return need.is_withdrawn; });
-  std::stable_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
-    return a.sizes.most_points > b.sizes.most_points;
+  // Patches of equal size stay in the order of their jobs.
+  tbb::parallel_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
+    return std::pair(b.sizes.most_points, a.job) < std::pair(a.sizes.most_points, b.job);
   });
   lattices_.resize(kMostParts + 1);
   order_.reserve(which.size());

@@ -18,6 +18,7 @@
 #include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
+#include "support/dice.hpp"
 #include "support/shared_files.hpp"
 #include "support/sphere_recipes.hpp"
 #include "support/xyzr.hpp"
@@ -131,10 +132,11 @@ class HostedDevice final : public PatchDevice {
   std::set<std::uint32_t> balls_;  // of all jobs
 };
 
-void expect_same_mesh(const SphereSet& spheres, double edge_length, HostedDevice& device) {
+void expect_same_mesh(const SphereSet& spheres, double edge_length, HostedDevice& device,
+                      DeviceWork work = DeviceWork::all) {
   ExactMeshOptions options;
   options.edge_length = edge_length;
-  options.device_work = DeviceWork::all;
+  options.device_work = work;
   const ExactMesh one = mesh_union(spheres, options);
   const ExactMesh other = mesh_union_with(&device, spheres, options);
   EXPECT_EQ(hash(one.mesh), hash(other.mesh));
@@ -207,6 +209,25 @@ TEST(BoundedPatchFailures, NearlyDegenerateSets) {
   }
   EXPECT_GT(patches, 500u);
   EXPECT_GT(undecided, 0u);
+}
+
+// A device that has hardly begun when the boundaries are settled: the host takes the others back,
+// and both share them. (It has whatever jobs it has looked at until then, which depends on
+// threads.)
+TEST(SharedPatches, TheHostTakesBackWhatIsNotBegun) {
+  Dice dice(11);
+  std::vector<Sphere> spheres;
+  for (int site = 0; site < 900; ++site) {
+    const Vec3d at{8.0 * (site % 10), 8.0 * (site / 10 % 10), 8.0 * (site / 100)};
+    for (int i = 0; i < 4; ++i) {
+      const Vec3d shift{dice.real(0, 2), dice.real(0, 2), dice.real(0, 2)};
+      spheres.push_back({at + shift, dice.real(1, 1.8)});
+    }
+  }
+  HostedDevice device;
+  expect_same_mesh(SphereSet(std::move(spheres)), 0.8, device, DeviceWork::balanced);
+  EXPECT_GT(device.placed, 0u);
+  EXPECT_GT(device.sent_again, 0u);
 }
 
 // What the device keeps of all batches leaves half of its memory for those under way; the host
