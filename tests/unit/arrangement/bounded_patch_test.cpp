@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -51,6 +53,7 @@ class HostedDevice final : public PatchDevice {
         batch->pack_sources(order.sources, sources.data());
       });
       patches += batch->patches().size();
+      if (j == 0 && std::exchange(waits, false)) wait_for_withdrawals(order);
       for (std::size_t i = 0; i < batch->patches().size(); ++i) {
         const std::span<const PointSource> of_patch(
             sources.data() + batch->first_sources()[i],
@@ -89,6 +92,9 @@ class HostedDevice final : public PatchDevice {
     balls_.clear();
   }
 
+  // Whether it begins no more than two jobs before half of its first ones are withdrawn, or some
+  // seconds have passed.
+  bool waits = false, was_waited_for = false;
   std::size_t placed = 0, patches = 0, sent_again = 0;
   std::size_t no_room = 0, undecided = 0, broken_guards = 0;
 
@@ -98,6 +104,16 @@ class HostedDevice final : public PatchDevice {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<PointSource> sources;
   };
+
+  void wait_for_withdrawals(const PatchOrder& order) {
+    for (int i = 0; i < 1000 && !was_waited_for; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      order.look([&] {
+        const auto count = std::ranges::count_if(order.jobs, &PatchJob::is_withdrawn);
+        was_waited_for = 2 * static_cast<std::size_t>(count) > order.jobs.size();
+      });
+    }
+  }
 
   void mesh_one(BoundedPatch patch, std::byte* input, const Vec3d* lattice,
                 std::span<const PointSource> sources, PatchJob& job) {
@@ -212,8 +228,7 @@ TEST(BoundedPatchFailures, NearlyDegenerateSets) {
 }
 
 // A device that has hardly begun when the boundaries are settled: the host takes the others back,
-// and both share them. (It has whatever jobs it has looked at until then, which depends on
-// threads.)
+// and both share them.
 TEST(SharedPatches, TheHostTakesBackWhatIsNotBegun) {
   Dice dice(11);
   std::vector<Sphere> spheres;
@@ -225,7 +240,9 @@ TEST(SharedPatches, TheHostTakesBackWhatIsNotBegun) {
     }
   }
   HostedDevice device;
+  device.waits = true;
   expect_same_mesh(SphereSet(std::move(spheres)), 0.8, device, DeviceWork::balanced);
+  EXPECT_TRUE(device.was_waited_for);
   EXPECT_GT(device.placed, 0u);
   EXPECT_GT(device.sent_again, 0u);
 }
