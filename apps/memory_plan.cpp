@@ -134,7 +134,8 @@ class Estimate {
   // Stages that look at the finished mesh, one after the other, which is why their needs do not add
   // up.
   void look_at(const MeshSize& mesh, std::uint64_t held) {
-    take("measure", held + measures_bytes(mesh));
+    const std::uint64_t measures = d_.surface ? measures_bytes(mesh) : measures_of_soup_bytes(mesh);
+    take("measure", held + measures);
     if (d_.self_intersections == SelfIntersections::count) {
       take("self-intersections", held + self_intersections_bytes(mesh));
     }

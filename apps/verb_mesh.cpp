@@ -1,7 +1,10 @@
 // `vdwmesh mesh`: from a structure to a mesh file. Memory is checked before the mesh is made, from
-// an estimate, and again when its size is known. Where a device makes the mesh, the CPU makes room
-// for the half-edges meanwhile. The mesh is measured while its file is written, unless memory is
-// too little for both.
+// an estimate, and again when its size is known. The mesh is measured while its file is written,
+// unless memory is too little for both.
+//
+// PLY, the default, is written from the arrays of the mesh. The writers of the other formats and of
+// patches want half-edges, which are built first; where a device makes the mesh, the CPU makes room
+// for them meanwhile.
 #include <algorithm>
 #include <future>
 #include <string>
@@ -16,6 +19,7 @@
 #include "excluded_steps.hpp"
 #include "interrupt.hpp"
 #include "memory_plan.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/patch_properties.hpp"
 #include "output.hpp"
@@ -25,11 +29,21 @@
 namespace vdwmesh::apps {
 namespace {
 
+// Whether the file is written from half-edges.
+bool wants_half_edges(const Options& options) {
+  return options.surface.kind == ExactSurface::excluded ||
+         mesh_format(options.mesh_path) != MeshFormat::ply;
+}
+
 // A device makes marching cubes while the CPU has nothing to do but to make room.
 MemoryDemand memory_of_mesh(const Options& options) {
   MemoryDemand demand;
   demand.surface = options.surface;
   demand.backend = resolve(options.machine.backend);
+  if (!wants_half_edges(options)) {
+    demand.normals = Normals::gradients;
+    return demand;
+  }
   demand.connectivity = Connectivity::half_edges;
   demand.build = Switch::on;
   const bool by_device =
@@ -38,8 +52,8 @@ MemoryDemand memory_of_mesh(const Options& options) {
   return demand;
 }
 
-// The mesh as it was made, and in half-edges as it will be written. If it is not measured yet, it
-// may also not be built yet.
+// The mesh as it was made, and in half-edges if it will be written so. If it is not measured yet,
+// it may also not be built yet.
 struct Made {
   IndexedMesh mesh;
   SurfaceMesh built;
@@ -64,14 +78,16 @@ void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, M
   made.is_measured = true;
 }
 
-// The mesh, with what there is to say about it in the report. Where it is measured already, it is
-// built, too, and given up.
+// The mesh, with what there is to say about it in the report. Where it is measured already and will
+// be written from half-edges, these are built, too, and the mesh is given up.
 void make(const Structure& structure, const Options& options, Made& made, Session& session) {
   const std::uint64_t limit = options.machine.memory_limit;
   MemoryDemand demand = memory_of_mesh(options);
   const auto estimate = check_memory_before(demand, structure.spheres, limit);
   session.end_stage(&Timing::plan);
+  const bool builds = wants_half_edges(options);
   const auto prepare = [&](const MeshSize& size) {
+    if (!builds) return;
     if (early_build_fits(demand, size, limit)) {
       made.builder.prepare(size);
     } else {
@@ -79,11 +95,11 @@ void make(const Structure& structure, const Options& options, Made& made, Sessio
     }
   };
   made.mesh = make_mesh(structure.spheres, options.surface, session,
-                        {.connectivity = Connectivity::half_edges, .on_size = prepare});
+                        {.connectivity = demand.connectivity, .on_size = prepare});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, made.mesh, limit);
   measure_now_or_later(made.mesh, demand, made, session);
-  if (!made.is_measured) return;
+  if (!made.is_measured || !builds) return;
   build_surface_mesh(made.mesh, structure.molecule, made.builder, session);
   made.is_built = true;
   made.mesh = {};
@@ -107,23 +123,39 @@ void make_excluded(const Structure& structure, const Options& options, Made& mad
   if (!made.is_measured) made.mesh = std::move(patched.mesh);
 }
 
-// Builds the half-edges and writes the file, and measures the mesh meanwhile, as far as that was
-// left to this function. Formats that cannot hold all that the mesh knows are named in a note.
+// The colour of each sphere.
+std::vector<RgbColor> colors_of(const Molecule& molecule) {
+  std::vector<RgbColor> colors;
+  colors.reserve(molecule.atoms.size());
+  for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
+  return colors;
+}
+
+// Writes the file, from half-edges where it wants these, and measures the mesh meanwhile, as far as
+// that was left to this function. Formats that cannot hold all that the mesh knows are named in a
+// note.
 void write(Made& made, const Options& options, const Structure& structure, Session& session) {
   const std::string& path = options.mesh_path;
   begin_stage(session.monitor, "write", 1);
   Report& report = session.report;
   std::vector<std::string> warnings;
+  const bool builds = wants_half_edges(options);
   const auto write_file = [&] {
     const SignalMonitor signals;
-    write_whole(path, [&] { warnings = write_mesh(made.built, path, &signals); });
+    write_whole(path, [&] {
+      if (builds) {
+        warnings = write_mesh(made.built, path, &signals);
+      } else {
+        write_ply(made.mesh, colors_of(structure.molecule), path, &signals);
+      }
+    });
   };
   MeshReport& result = *report.mesh;
   if (made.is_measured) {
     write_file();
   } else {
     std::vector<StageWork> here;
-    if (!made.is_built) {
+    if (builds && !made.is_built) {
       here.push_back(
           {&Timing::build, [&] { build_colored(made.mesh, structure.molecule, made.builder); }});
     }

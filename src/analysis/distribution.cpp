@@ -1,28 +1,22 @@
-// distribution_of(): exact percentiles of many values by a histogram and a selection.
+// Exact percentiles of many values by a sample, one pass over the values, and a selection, after
+// the idea of R. W. Floyd and R. L. Rivest (Comm. ACM 18, 165, 1975).
 //
-//  1. One parallel pass counts the values in bins, 32 for each octave (a range from x to 2 x), and
-//     computes the sum, the minimum and the maximum of each block of values.
-//  2. The bin that contains each wanted rank follows from a running sum over the bins.
-//  3. A second parallel pass copies the values in these bins, at most three, and std::nth_element
-//     selects the wanted ranks among them.
+//  1. A sample says between which two values each percentile is to be expected (its bracket).
+//  2. One pass over all values, block by block and in parallel, counts those below each bracket,
+//     keeps those inside, and computes the sum, the minimum and the maximum.
+//  3. The counts say which of the kept values the percentile is, or that it is outside of its
+//     bracket. Then step 2 is done again with a bracket that contains everything.
 //
-// The rank of a value is its index in the sorted sequence of all values.
-//
-// Sums are exact, and a selection by rank does not depend on the order of its input. So nothing
-// depends on how the values are divided among threads.
+// The rank of a value is its index in the sorted sequence of all values. Sums are exact, and a
+// selection by rank does not depend on the order of its input. So nothing depends on the sample,
+// nor on how the values are divided among threads.
 #include "analysis/distribution.hpp"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <limits>
-#include <utility>
-#include <vector>
+#include <cmath>
 
-#include "core/buffer.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -30,12 +24,16 @@ namespace {
 constexpr std::size_t kValuesPerBlock = 1 << 14;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// Adds one block. Minimum and maximum have four independent accumulators (lanes): in a single one
-// every value would have to wait for the one before it.
-void add_block(ValueSummary& summary, std::span<const double> values) {
+bool is_inside(const Brackets::Interval& interval, double value) {
+  return interval.lower <= value && value <= interval.upper;
+}
+
+// Adds one block to all members of a summary but the sum. Minimum and maximum have four independent
+// accumulators (lanes): in a single one every value would have to wait for the one before it.
+VDWMESH_MULTIVERSION void survey_block(ValueSummary& summary, const Brackets& brackets,
+                                       std::span<const double> values) {
   std::array<double, 4> min, max;
   min.fill(summary.min), max.fill(summary.max);
-  summary.sum.add(values);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t lane = i % min.size();
     min[lane] = std::min(min[lane], values[i]);
@@ -43,138 +41,139 @@ void add_block(ValueSummary& summary, std::span<const double> values) {
   }
   summary.min = *std::min_element(min.begin(), min.end());
   summary.max = *std::max_element(max.begin(), max.end());
+  summary.count += values.size();
+  for (std::size_t i = 0; i < brackets.count; ++i) {
+    const double lower = brackets.intervals[i].lower;
+    std::uint64_t below = 0;
+    for (const double value : values) below += value < lower;
+    summary.below[i] += below;
+  }
 }
 
-// Calls body(b, values of block b) on all cores.
-template <class Body>
-void for_blocks(std::span<const double> values, Body&& body) {
-  for_each_block(values.size(), kValuesPerBlock,
-                 [&](std::size_t b, std::size_t first, std::size_t last) {
-                   body(b, values.subspan(first, last - first));
-                 });
+// Copies the values that are in one of the intervals to `kept`, which has room for all, and returns
+// their number. Every value is written, and the place moves on behind those to be kept, so that no
+// branch depends on a value. An interval that does not exist is like the first one.
+VDWMESH_MULTIVERSION std::size_t keep_inside(const Brackets& brackets,
+                                             std::span<const double> values, double* kept) {
+  std::array<Brackets::Interval, kPercentiles.size()> intervals;
+  for (std::size_t i = 0; i < intervals.size(); ++i)
+    intervals[i] = brackets.intervals[i < brackets.count ? i : 0];
+  std::size_t count = 0;
+  for (const double value : values) {
+    kept[count] = value;
+    bool in = false;
+    for (const Brackets::Interval& interval : intervals)
+      in |= (interval.lower <= value) & (value <= interval.upper);
+    count += in;
+  }
+  return count;
 }
 
-// Finds values by their rank. The constructor makes the first pass over the values, percentiles()
-// the second one.
-class OrderStatistics {
- public:
-  explicit OrderStatistics(std::span<const double> values)
-      : values_(values), summary_(summarize_values(values, counts_)) {}
-
-  const ValueSummary& summary() const { return summary_; }
-
-  // Returns three percentiles: hundredths[i] = 50, for example, asks for the median. Percentile i
-  // is the value of rank ceil(hundredths[i] n / 100), where ranks count from 1 and n is the number
-  // of values. Precondition: `hundredths` increase, so percentiles in the same bin are neighbours.
-  //
-  // The values of each bin are gathered once, for the first percentile i in it: bins[i] is the bin,
-  // and inside[i] has its values. A later percentile in the same bin has kNoBin, and uses
-  // inside[from], where `from` is the index of that first percentile. std::nth_element() changes
-  // the order of inside[from], which later selections allow.
-  std::array<double, 3> percentiles(const std::array<std::uint64_t, 3>& hundredths) const {
-    std::array<ValuePlace, 3> places;
-    Bins bins;
-    for (std::size_t i = 0; i < bins.size(); ++i) {
-      places[i] = place_of_percentile(counts_, values_.size(), hundredths[i]);
-      const bool again = i > 0 && places[i].bin == places[i - 1].bin;
-      bins[i] = again ? kNoBin : places[i].bin;
-    }
-    std::array<Buffer<double>, 3> inside = gather(bins);
-    std::array<double, 3> result;
-    for (std::size_t i = 0, from = 0; i < result.size(); ++i) {
-      if (bins[i] != kNoBin) from = i;
-      const auto place = inside[from].begin() + static_cast<std::ptrdiff_t>(places[i].place);
-      std::nth_element(inside[from].begin(), place, inside[from].end());
-      result[i] = *place;
-    }
-    return result;
-  }
-
- private:
-  using Bins = std::array<std::size_t, 3>;
-  static constexpr std::size_t kNoBin = kValueBins + 1;  // bin_of_value() never returns it
-
-  // Returns the values in each of the bins, in any order; no values for kNoBin. Every thread
-  // collects the values of one block in `mine`, then reserves a part of the result by an atomic
-  // addition and copies them there.
-  std::array<Buffer<double>, 3> gather(const Bins& bins) const {
-    std::array<Buffer<double>, 3> inside;
-    std::array<std::atomic<std::size_t>, 3> next{};
-    for (std::size_t i = 0; i < bins.size(); ++i)
-      if (bins[i] != kNoBin) inside[i].resize(counts_[bins[i]]);
-    tbb::enumerable_thread_specific<std::array<std::vector<double>, 3>> found;
-    for_blocks(values_, [&](std::size_t, std::span<const double> block) {
-      std::array<std::vector<double>, 3>& mine = found.local();
-      for (const double value : block) {
-        const std::size_t bin = bin_of_value(value);
-        for (std::size_t i = 0; i < bins.size(); ++i)
-          if (bin == bins[i]) mine[i].push_back(value);
-      }
-      for (std::size_t i = 0; i < bins.size(); ++i) {
-        const std::size_t place = next[i].fetch_add(mine[i].size());
-        std::copy(mine[i].begin(), mine[i].end(), inside[i].data() + place);
-        mine[i].clear();
-      }
-    });
-    return inside;
-  }
-
-  std::span<const double> values_;
-  std::vector<std::uint64_t> counts_;
-  ValueSummary summary_;
-};
+// About so many values of a set are looked at to find brackets.
+constexpr std::size_t kSampleSize = 1 << 14;
 
 }  // namespace
 
 void add(ValueSummary& sum, const ValueSummary& other) {
   sum.sum.add(other.sum);
+  sum.count += other.count;
   sum.min = std::min(sum.min, other.min);
   sum.max = std::max(sum.max, other.max);
+  for (std::size_t i = 0; i < sum.below.size(); ++i) sum.below[i] += other.below[i];
 }
 
-// Each thread has a summary and a histogram of its own. The first histogram found becomes the
-// counts, and the others are added to it.
-ValueSummary summarize_values(std::span<const double> values, std::vector<std::uint64_t>& counts) {
-  struct Own {
-    ValueSummary summary;
-    std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(kValueBins + 1);
-  };
-  tbb::enumerable_thread_specific<Own> threads;
-  for_blocks(values, [&](std::size_t, std::span<const double> block) {
-    Own& mine = threads.local();
-    for (const double value : block) ++mine.counts[bin_of_value(value)];
-    add_block(mine.summary, block);
-  });
-  ValueSummary summary;
-  counts.clear();
-  for (Own& theirs : threads) {
-    add(summary, theirs.summary);
-    if (counts.empty()) {
-      counts = std::move(theirs.counts);
+// In a random sample of n values, the number of values below the p-th percentile of the set has the
+// mean p n and the variance p (1 - p) n. The bracket is six standard deviations wide on both sides,
+// and a few values more, since the distribution is not normal where p n is small. Intervals that
+// overlap are joined.
+Brackets brackets_from_sample(std::vector<double> sample) {
+  std::ranges::sort(sample);
+  const auto size = static_cast<double>(sample.size());
+  Brackets result;
+  result.count = 0;
+  for (std::size_t i = 0; i < kPercentiles.size(); ++i) {
+    const double share = static_cast<double>(kPercentiles[i]) / 100;
+    const double margin = 6 * std::sqrt(share * (1 - share) * size) + 8;
+    const double first = share * size - margin, last = share * size + margin;
+    Brackets::Interval interval;
+    if (first >= 0) interval.lower = sample[static_cast<std::size_t>(first)];
+    if (last < size) interval.upper = sample[static_cast<std::size_t>(last)];
+    if (result.count > 0 && interval.lower <= result.intervals[result.count - 1].upper) {
+      result.intervals[result.count - 1].upper = interval.upper;
     } else {
-      for (std::size_t bin = 0; bin <= kValueBins; ++bin) counts[bin] += theirs.counts[bin];
+      result.intervals[result.count++] = interval;
     }
+    result.of_percentile[i] = result.count - 1;
   }
-  counts.resize(kValueBins + 1);  // if there are no values
+  return result;
+}
+
+void BracketedValues::add(std::span<const double> block) {
+  Part& part = parts_.local();
+  part.summary.sum.add(block);
+  survey_block(part.summary, brackets_, block);
+  part.kept.resize(std::max(part.kept.size(), block.size()));
+  const std::size_t kept = keep_inside(brackets_, block, part.kept.data());
+  for (const double value : std::span(part.kept).first(kept)) {
+    std::size_t i = 0;
+    while (!is_inside(brackets_.intervals[i], value)) ++i;
+    part.inside[i].push_back(value);
+  }
+}
+
+ValueSummary BracketedValues::summary() const {
+  ValueSummary summary;
+  for (const Part& part : parts_) vdwmesh::add(summary, part.summary);
   return summary;
 }
 
-// The rank of the percentile among all values is ceil(hundredths n / 100) - 1, counted from 0. The
-// loop subtracts from it the counts of all bins before the percentile's bin.
-ValuePlace place_of_percentile(const std::vector<std::uint64_t>& counts, std::uint64_t values,
-                               std::uint64_t hundredths) {
-  ValuePlace place{0, (values * hundredths + 99) / 100 - 1};
-  for (; place.place >= counts[place.bin]; ++place.bin) place.place -= counts[place.bin];
-  return place;
+Buffer<double> BracketedValues::inside(std::size_t i) const {
+  Buffer<double> values;
+  for (const Part& part : parts_)
+    values.insert(values.end(), part.inside[i].begin(), part.inside[i].end());
+  return values;
+}
+
+std::optional<Distribution> distribution_of(const BracketedValues& values) {
+  const ValueSummary all = values.summary();
+  if (all.count == 0) return Distribution{kNone, kNone, kNone, kNone, kNone, kNone};
+  const Brackets& brackets = values.brackets();
+  std::array<Buffer<double>, kPercentiles.size()> inside;
+  for (std::size_t i = 0; i < brackets.count; ++i) inside[i] = values.inside(i);
+  const bool keeps_everything = brackets.count == 1 && brackets.intervals[0].lower == 0 &&
+                                std::isinf(brackets.intervals[0].upper);
+  std::array<double, kPercentiles.size()> percentiles;
+  for (std::size_t p = 0; p < percentiles.size(); ++p) {
+    const std::size_t i = brackets.of_percentile[p];
+    const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
+    if (rank < all.below[i] || rank - all.below[i] >= inside[i].size()) {
+      if (!keeps_everything) return std::nullopt;
+      percentiles[p] = kNone;
+      continue;
+    }
+    const auto place = inside[i].begin() + static_cast<std::ptrdiff_t>(rank - all.below[i]);
+    std::nth_element(inside[i].begin(), place, inside[i].end());
+    percentiles[p] = *place;
+  }
+  const auto [p01, median, p99] = percentiles;
+  return Distribution{all.min, p01,     median,
+                      p99,     all.max, all.sum.nearest() / static_cast<double>(all.count)};
 }
 
 Distribution distribution_of(std::span<const double> values) {
-  if (values.empty()) return {kNone, kNone, kNone, kNone, kNone, kNone};
-  const OrderStatistics ranks(values);
-  const auto [p01, median, p99] = ranks.percentiles(kPercentiles);
-  const ValueSummary& all = ranks.summary();
-  return {all.min, p01,     median,
-          p99,     all.max, all.sum.nearest() / static_cast<double>(values.size())};
+  std::vector<double> sample;
+  const std::size_t step = values.size() / kSampleSize + 1;
+  for (std::size_t i = 0; i < values.size(); i += step) sample.push_back(values[i]);
+  const auto with = [&](const Brackets& brackets) {
+    BracketedValues bracketed(brackets);
+    for_each_block(values.size(), kValuesPerBlock,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                     bracketed.add(values.subspan(first, last - first));
+                   });
+    return distribution_of(bracketed);
+  };
+  if (const auto found = with(brackets_from_sample(std::move(sample)))) return *found;
+  return *with(bracket_of_everything());
 }
 
 }  // namespace vdwmesh

@@ -1,16 +1,20 @@
-// Minimum, maximum, mean and percentiles of many values, without sorting them.
+// Minimum, maximum, mean and percentiles of many values, without sorting them and, where they are
+// made block by block, without keeping them.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_sum.hpp"
+#include "core/buffer.hpp"
 
 namespace vdwmesh {
 
@@ -21,41 +25,72 @@ namespace vdwmesh {
 // bit, so -0.0 is not allowed.
 Distribution distribution_of(std::span<const double> values);
 
-// ---- The steps of distribution_of(), for who has the values in parts ----
+// ---- The steps of distribution_of(), for who makes the values in blocks ----
 
 // The percentiles of a Distribution.
 inline constexpr std::array<std::uint64_t, 3> kPercentiles{1, 50, 99};
 
-// Values are counted in bins, 32 for each octave (a range from x to 2 x). The bin of a value are
-// the upper 17 bits of the double: the sign bit (0), 11 bits of exponent and 5 bits of mantissa.
-// The bit patterns of non-negative doubles, as integers, are in the order of the doubles, and so
-// are the bins. Values with the sign bit set, which the contract excludes, go to the additional bin
-// kValueBins, so that no index is out of range.
-inline constexpr int kBitsInBin = 47;
-inline constexpr std::size_t kValueBins = std::size_t{1} << (63 - kBitsInBin);
-inline std::size_t bin_of_value(double value) {
-  const std::uint64_t bin = std::bit_cast<std::uint64_t>(value) >> kBitsInBin;
-  return bin < kValueBins ? static_cast<std::size_t>(bin) : kValueBins;
-}
+// Intervals in which the percentiles of a set are expected. Only values inside of them are kept.
+// The intervals do not overlap and increase; there are one to three of them.
+struct Brackets {
+  struct Interval {
+    double lower = 0, upper = std::numeric_limits<double>::infinity();  // both inside
+  };
+  std::array<Interval, kPercentiles.size()> intervals;
+  std::size_t count = 1;
+  std::array<std::size_t, kPercentiles.size()> of_percentile{};  // the interval of each
+};
+
+// One interval for all values, so that every value is kept and no percentile can be missed.
+inline Brackets bracket_of_everything() { return {}; }
+
+// Brackets from a sample of the set, in any order. The more it is like a random sample, the
+// likelier the brackets contain the percentiles; a sample of 10,000 values leaves about 5 % of the
+// set inside.
+Brackets brackets_from_sample(std::vector<double> sample);
 
 // What parts of a set of values add up to.
 struct ValueSummary {
   ExactSum sum;
+  std::uint64_t count = 0;
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
+  std::array<std::uint64_t, kPercentiles.size()> below{};  // values below each interval
 };
 void add(ValueSummary& sum, const ValueSummary& other);
 
-// Counts the values in kValueBins + 1 bins, and returns their summary. On all cores.
-ValueSummary summarize_values(std::span<const double> values, std::vector<std::uint64_t>& counts);
+// The rank of a percentile among `values` values, counted from 0. Precondition: there are values.
+constexpr std::uint64_t rank_of_percentile(std::uint64_t values, std::uint64_t hundredths) {
+  return (values * hundredths + 99) / 100 - 1;
+}
 
-// Where the percentile of `hundredths` stands: in which bin, and at which place among the sorted
-// values of the bin, counted from 0. Precondition: there are values.
-struct ValuePlace {
-  std::size_t bin;
-  std::uint64_t place;
+// Takes values in blocks, from any number of threads, and keeps those inside of the brackets.
+class BracketedValues {
+ public:
+  explicit BracketedValues(const Brackets& brackets) : brackets_(brackets) {}
+
+  void add(std::span<const double> block);
+
+  // The three functions below want that all blocks were added.
+  const Brackets& brackets() const { return brackets_; }
+  ValueSummary summary() const;
+  // The values inside of interval i, in any order.
+  Buffer<double> inside(std::size_t i) const;
+
+ private:
+  struct Part {
+    ValueSummary summary;
+    std::array<std::vector<double>, kPercentiles.size()> inside;
+    std::vector<double> kept;  // those of the present block that are in some interval
+  };
+
+  Brackets brackets_;
+  tbb::enumerable_thread_specific<Part> parts_;
 };
-ValuePlace place_of_percentile(const std::vector<std::uint64_t>& counts, std::uint64_t values,
-                               std::uint64_t hundredths);
+
+// The distribution of all values that were added. Nothing if a percentile is outside of its
+// bracket: then the values have to be made again, for bracket_of_everything(). With that bracket
+// there always is a result; percentiles are NaN where values that are NaN hide them.
+std::optional<Distribution> distribution_of(const BracketedValues& values);
 
 }  // namespace vdwmesh

@@ -4,9 +4,8 @@
 
 #include <cstdint>
 
-#include "analysis/mesh_part.hpp"
+#include "analysis/distribution.hpp"
 #include "core/buffer.hpp"
-#include "mesh/edge_buckets.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
@@ -20,16 +19,8 @@ struct EdgeSurvey {
   Buffer<std::uint32_t> shell_of;
 };
 
-// What the own edges and vertices of a part say. Parts can be put together: a property holds for
-// the whole mesh if it holds for all parts, and counts add up.
-struct PartSurvey {
-  // `manifold`, as in MeshTopology, is only said of a part that is closed and oriented.
-  bool closed, manifold, oriented;
-  std::uint64_t edges, used_vertices;
-};
-
-// Precondition of both: `buckets` were made from the triangles of the mesh.
-PartSurvey survey_part(const MeshPart& part, const EdgeBuckets& buckets);
-EdgeSurvey survey_edges(const IndexedMesh& mesh, const EdgeBuckets& buckets);
+// If `edge_lengths` is given, it gets the length of each edge, once, in Å. Throws as survey_part()
+// (analysis/vertex_survey.hpp).
+EdgeSurvey survey_edges(const IndexedMesh& mesh, BracketedValues* edge_lengths = nullptr);
 
 }  // namespace vdwmesh

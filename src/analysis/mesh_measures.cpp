@@ -4,12 +4,13 @@
 // survey_edges() finds the shells, shell_terms() sums up the triangles of each.
 #include "analysis/mesh_measures.hpp"
 
-#include <optional>
+#include <utility>
 
 #include "analysis/distribution.hpp"
 #include "analysis/edge_survey.hpp"
 #include "analysis/quality_parts.hpp"
 #include "analysis/shell_sums.hpp"
+#include "analysis/vertex_survey.hpp"
 #include "core/blocks.hpp"
 #include "surface/box.hpp"
 
@@ -20,8 +21,9 @@ Vec3d local_origin(const IndexedMesh& mesh) {
   return mesh.positions.empty() ? Vec3d{0, 0, 0} : middle(box_of_vertices(mesh));
 }
 
-MeshSummary summarize(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
-  const EdgeSurvey survey = survey_edges(mesh, buckets);
+// If `edge_lengths` is given, it gets the length of each edge.
+MeshSummary summarize(const IndexedMesh& mesh, BracketedValues* edge_lengths) {
+  const EdgeSurvey survey = survey_edges(mesh, edge_lengths);
   ShellTotals totals;
   add_shells(totals, shell_terms(mesh, survey.shell_of, local_origin(mesh)));
   const MeshCounts counts{survey.closed,         survey.manifold,      survey.oriented,
@@ -41,18 +43,21 @@ Box box_of_vertices(const IndexedMesh& mesh) {
   return reduce_all(mesh.vertex_count(), empty_box(), add, join);
 }
 
-MeshSummary summarize(const IndexedMesh& mesh) {
-  return summarize(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count()));
-}
+MeshSummary summarize(const IndexedMesh& mesh) { return summarize(mesh, nullptr); }
 
 MeshExamination examine(const IndexedMesh& mesh) {
-  std::optional<EdgeBuckets> buckets(std::in_place, mesh.triangles, mesh.vertex_count());
-  const MeshSummary summary = summarize(mesh, *buckets);
-  const Distribution edge_length = distribution_of(edge_lengths(whole(mesh), *buckets));
-  // The buckets are freed before quality_of_triangles() allocates arrays of about the same size.
-  buckets.reset();
-  MeshExamination result{summary.topology, summary.measures, quality_of_triangles(mesh)};
-  result.quality.edge_length = edge_length;
+  QualitySample sample = sample_quality(whole(mesh), usual_sample_step(mesh.triangle_count()));
+  BracketedValues lengths(brackets_from_sample(std::move(sample.edge_lengths)));
+  const MeshSummary summary = summarize(mesh, &lengths);
+  auto edge_length = distribution_of(lengths);
+  if (!edge_length) {  // a percentile is outside of its bracket
+    BracketedValues all(bracket_of_everything());
+    survey_part(whole(mesh), {&all});
+    edge_length = distribution_of(all);
+  }
+  MeshExamination result{summary.topology, summary.measures,
+                         quality_of_triangles(mesh, std::move(sample))};
+  result.quality.edge_length = edge_length.value();
   return result;
 }
 

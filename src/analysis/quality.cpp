@@ -1,75 +1,117 @@
 // Quality of triangles: smallest angles, aspect ratios and edge lengths, as distributions and as
 // histograms.
 //
-// The Shape of a triangle has its three edge lengths and its area, from which its smallest angle
-// and its aspect ratio follow. EdgeBuckets (mesh/edge_buckets.hpp) group the half-edges of each
-// edge, so that an edge of two triangles counts once. All values are written into arrays in
-// parallel; distribution_of() or histogram() evaluates the arrays.
+//  1. The corners of a block of triangles are gathered into arrays of coordinates.
+//  2. Loops that the compiler makes vectors of compute the edge lengths and the area of each
+//     triangle, and from these its smallest angle and its aspect ratio.
+//  3. The values of a block go to BracketedValues (analysis/distribution.hpp) or into a histogram,
+//     while they are in the cache. No array of all values is made.
+//
+// The edge lengths come from survey_part(), which sees each edge once.
 //
 // A triangle is degenerate if it has a repeated index or area exactly 0. It has the angle 0 and no
 // aspect ratio.
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include "analysis/distribution.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "analysis/quality_histograms.hpp"
 #include "analysis/quality_parts.hpp"
+#include "analysis/vertex_survey.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
-#include "core/large_pages.hpp"
 #include "core/multiversion.hpp"
-#include "mesh/edge_buckets.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kItemsPerTask = 1 << 13;
+constexpr std::size_t kTrianglesPerTask = 1 << 12;
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
-// The edge lengths a >= b >= c (Å) and the area (Å²) of a triangle.
-struct Shape {
-  double a, b, c, area;
+// The corners of up to kSize triangles, coordinate by coordinate, and what follows from them.
+struct ShapeBlock {
+  static constexpr std::size_t kSize = 256;
+  using Column = std::array<double, kSize>;
+
+  std::array<Vec3<Column>, 3> corners;  // Å
+  Column is_proper;                     // 0 if the triangle has a repeated index, else 1
+  Column sine, cosine;                  // of the smallest angle, both times the same factor
+  Column ratio;                         // the aspect ratio, or -1 if the triangle has no area
 };
 
-Shape shape_of(const IndexedMesh& mesh, std::size_t t) {
-  const auto& [i, j, k] = mesh.triangles[t];
-  const Vec3d ij = mesh.positions[j] - mesh.positions[i];
-  const Vec3d ik = mesh.positions[k] - mesh.positions[i];
-  double a = norm(ij), b = norm(ik), c = norm(mesh.positions[k] - mesh.positions[j]);
-  // Three exchanges sort the lengths.
-  if (a < b) std::swap(a, b);
-  if (b < c) std::swap(b, c);
-  if (a < b) std::swap(a, b);
-  return {a, b, c, norm(cross(ij, ik)) / 2};
-}
-
-// Returns the smallest angle, which lies between the two longer sides a and b. Its sine is
-// 2 A / (a b) with the area A, and by the law of cosines its cosine is (a² + b² - c²) / (2 a b).
-// The code passes both, multiplied by 2 a b, to atan2(), which needs only their ratio. It writes
-// a² - c² as (a - c)(a + c), which keeps its digits if a and c are nearly equal.
-double min_angle_deg(const Shape& s) {
-  if (s.area == 0) return 0;
-  const double twice_ab_cos = s.b * s.b + (s.a - s.c) * (s.a + s.c);
-  return std::atan2(4 * s.area, twice_ab_cos) * kDegreesPerRadian;
-}
-
-// Returns R / (2 r) = a b c (a + b + c) / (16 A²), from the circumradius R = a b c / (4 A) and the
-// inradius r = 2 A / (a + b + c). An overflow becomes the largest double, so every ratio is finite.
-// Precondition: the area is above 0.
-double aspect_ratio(const Shape& s) {
-  const double ratio = (s.a * s.b / (4 * s.area)) * (s.c * (s.a + s.b + s.c) / (4 * s.area));
-  return std::min(ratio, std::numeric_limits<double>::max());
-}
-
 bool has_repeated_index(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+void gather(const IndexedMesh& mesh, std::size_t first, std::size_t count, ShapeBlock& block) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Triangle& triangle = mesh.triangles[first + i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& p = mesh.positions[triangle[k]];
+      block.corners[k].x[i] = p.x, block.corners[k].y[i] = p.y, block.corners[k].z[i] = p.z;
+    }
+    block.is_proper[i] = has_repeated_index(triangle) ? 0 : 1;
+  }
+}
+
+// With the edge lengths a >= b >= c and the area A, the smallest angle lies between a and b. Its
+// sine is 2 A / (a b), and by the law of cosines its cosine is (a² + b² - c²) / (2 a b). The block
+// gets both multiplied by 2 a b. The code writes a² - c² as (a - c)(a + c), which keeps its digits
+// if a and c are nearly equal.
+//
+// The aspect ratio is R / (2 r) = a b c (a + b + c) / (16 A²), from the circumradius
+// R = a b c / (4 A) and the inradius r = 2 A / (a + b + c). An overflow becomes the largest double,
+// so every ratio is finite. A triangle with a repeated index has area 0, even if rounding would
+// give another one.
+VDWMESH_MULTIVERSION void compute(std::size_t count, ShapeBlock& block) {
+  const auto& [p, q, r] = block.corners;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d a{p.x[i], p.y[i], p.z[i]};
+    const Vec3d ab = Vec3d{q.x[i], q.y[i], q.z[i]} - a, ac = Vec3d{r.x[i], r.y[i], r.z[i]} - a;
+    const Vec3d bc = Vec3d{r.x[i], r.y[i], r.z[i]} - Vec3d{q.x[i], q.y[i], q.z[i]};
+    const double l = norm(ab), m = norm(ac), n = norm(bc);
+    const double larger = std::max(l, m), smaller = std::min(l, m);
+    const double longest = std::max(larger, n), rest = std::min(larger, n);
+    const double middle = std::max(smaller, rest), shortest = std::min(smaller, rest);
+    const double area = block.is_proper[i] != 0 ? norm(cross(ab, ac)) / 2 : 0;
+    block.sine[i] = 4 * area;
+    block.cosine[i] = middle * middle + (longest - shortest) * (longest + shortest);
+    const double ratio =
+        (longest * middle / (4 * area)) * (shortest * (longest + middle + shortest) / (4 * area));
+    const double finite = std::min(ratio, std::numeric_limits<double>::max());
+    block.ratio[i] = area > 0 ? finite : -1;
+  }
+}
+
+// The shapes of one block of triangles. Each thread has one.
+struct Shapes {
+  ShapeBlock block;
+  std::vector<double> angles, ratios;
+
+  TriangleShapes of(const IndexedMesh& mesh, std::size_t first, std::size_t last) {
+    angles.resize(last - first);
+    ratios.resize(last - first);
+    std::size_t with_area = 0;
+    for (std::size_t from = first; from < last; from += ShapeBlock::kSize) {
+      const std::size_t count = std::min(ShapeBlock::kSize, last - from);
+      gather(mesh, from, count, block);
+      compute(count, block);
+      for (std::size_t i = 0; i < count; ++i) {
+        const double angle = std::atan2(block.sine[i], block.cosine[i]) * kDegreesPerRadian;
+        angles[from - first + i] = block.sine[i] == 0 ? 0 : angle;
+        ratios[with_area] = block.ratio[i];
+        with_area += block.ratio[i] != -1;
+      }
+    }
+    return {angles, std::span<const double>(ratios).first(with_area)};
+  }
+};
 
 // Throws InvalidInput if a triangle names a vertex that does not exist.
 void require_vertices(const IndexedMesh& mesh) {
@@ -80,42 +122,6 @@ void require_vertices(const IndexedMesh& mesh) {
                                        v, mesh.vertex_count()));
 }
 
-// Returns the shape of triangle t; if it has a repeated index, a shape of area 0, even if rounding
-// would give another area.
-Shape shape_or_none(const IndexedMesh& mesh, std::size_t t) {
-  return has_repeated_index(mesh.triangles[t]) ? Shape{} : shape_of(mesh, t);
-}
-
-// Returns the aspect ratio, or -1 if the triangle has no area. No aspect ratio is negative, so
-// triangle_shapes() can remove exactly these entries.
-double aspect_ratio_or_none(const Shape& s) { return s.area > 0 ? aspect_ratio(s) : -1; }
-
-// ---- Loops that are compiled for both processor versions (core/multiversion.hpp) ----
-
-// Writes angle and ratio of the triangles [first, last) into the elements of the same index.
-// Returns whether all these triangles have an aspect ratio.
-VDWMESH_MULTIVERSION bool fill_shapes(const IndexedMesh& mesh, std::size_t first, std::size_t last,
-                                      double* angles, double* ratios) {
-  bool all = true;
-  for (std::size_t t = first; t < last; ++t) {
-    const Shape shape = shape_or_none(mesh, t);
-    angles[t] = min_angle_deg(shape);
-    ratios[t] = aspect_ratio_or_none(shape);
-    all &= shape.area > 0;
-  }
-  return all;
-}
-
-// Writes the lengths of all edges whose smaller vertex index is in [first, last), one after
-// another, beginning at `lengths`.
-VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets,
-                                       std::size_t first, std::size_t last, double* lengths) {
-  for (std::size_t v = first; v < last; ++v)
-    for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry> edge) {
-      *lengths++ = norm(mesh.positions[edge[0].larger()] - mesh.positions[v]);
-    });
-}
-
 // Returns the relative position of a value between the bounds of a histogram, on the chosen scale:
 // 0 at `lower`, 1 at `upper`.
 double place(double value, BinScale scale, double lower, double upper) {
@@ -123,66 +129,89 @@ double place(double value, BinScale scale, double lower, double upper) {
   return std::log(value / lower) / std::log(upper / lower);
 }
 
+// The values of a set of triangles by brackets.
+struct BracketedShapes {
+  BracketedValues angles, ratios;
+
+  void add(const MeshPart& part) {
+    visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
+      angles.add(shapes.min_angles_deg);
+      ratios.add(shapes.aspect_ratios);
+    });
+  }
+};
+
+// The histogram of the sums of parts. Precondition: all have the same bins.
+void add(Histogram& sum, const Histogram& other) {
+  sum.below += other.below;
+  sum.above += other.above;
+  for (std::size_t i = 0; i < sum.counts.size(); ++i) sum.counts[i] += other.counts[i];
+}
+
 }  // namespace
 
-TriangleShapes triangle_shapes(const MeshPart& part) {
-  TriangleShapes shapes;
-  resize_untouched(shapes.min_angles_deg, part.triangles);
-  resize_untouched(shapes.aspect_ratios, part.triangles);
-  std::atomic<bool> all = true;
-  for_each_block(part.triangles, kItemsPerTask,
+void visit_shapes(const MeshPart& part,
+                  const std::function<void(std::size_t, const TriangleShapes&)>& visit) {
+  tbb::enumerable_thread_specific<Shapes> threads;
+  for_each_block(part.triangles, kTrianglesPerTask,
                  [&](std::size_t, std::size_t first, std::size_t last) {
-                   if (!fill_shapes(part.mesh, first, last, shapes.min_angles_deg.data(),
-                                    shapes.aspect_ratios.data()))
-                     all = false;
+                   visit(first, threads.local().of(part.mesh, first, last));
                  });
-  if (!all) std::erase(shapes.aspect_ratios, -1.0);
-  return shapes;
 }
 
-// A task is a range of kItemsPerTask own vertices. A first pass counts the edges of every task into
-// before[task + 1]; the prefix sums make before[task] the number of edges of all earlier tasks,
-// which is where a second pass writes. The last task may be empty.
-Buffer<double> edge_lengths(const MeshPart& part, const EdgeBuckets& buckets) {
-  const std::size_t vertices = part.end_vertex - part.first_vertex;
-  std::vector<std::size_t> before(block_count(vertices, kItemsPerTask) + 1);
-  const auto each_task = [&](auto&& body) {
-    for_each_block(vertices, kItemsPerTask,
-                   [&](std::size_t task, std::size_t first, std::size_t last) {
-                     body(task, part.first_vertex + first, part.first_vertex + last);
-                   });
-  };
-  each_task([&](std::size_t task, std::size_t first, std::size_t last) {
-    std::size_t edges = 0;
-    for (std::size_t v = first; v < last; ++v)
-      for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry>) { ++edges; });
-    before[task + 1] = edges;
-  });
-  std::partial_sum(before.begin(), before.end(), before.begin());
-  Buffer<double> lengths;
-  resize_untouched(lengths, before.back());
-  each_task([&](std::size_t task, std::size_t first, std::size_t last) {
-    fill_lengths(part.mesh, buckets, first, last, lengths.data() + before[task]);
-  });
-  return lengths;
+std::size_t usual_sample_step(std::uint64_t triangles) {
+  constexpr std::uint64_t kSample = 1 << 14;  // triangles
+  return static_cast<std::size_t>(triangles / kSample + 1);
 }
 
-MeshQuality quality_of_triangles(const IndexedMesh& mesh) {
+QualitySample sample_quality(const MeshPart& part, std::size_t step) {
+  QualitySample sample;
+  Shapes shapes;
+  for (std::size_t t = 0; t < part.triangles; t += step) {
+    const auto& [a, b, c] = part.mesh.triangles[t];
+    if (std::max({a, b, c}) >= part.mesh.vertex_count()) continue;  // survey_part() refuses it
+    const TriangleShapes found = shapes.of(part.mesh, t, t + 1);
+    sample.min_angles_deg.push_back(found.min_angles_deg[0]);
+    if (!found.aspect_ratios.empty()) sample.aspect_ratios.push_back(found.aspect_ratios[0]);
+    const Buffer<Vec3d>& p = part.mesh.positions;
+    sample.edge_lengths.insert(sample.edge_lengths.end(),
+                               {norm(p[b] - p[a]), norm(p[c] - p[b]), norm(p[a] - p[c])});
+  }
+  return sample;
+}
+
+// The values are made with brackets from the sample, and again with brackets for everything if a
+// percentile was missed.
+MeshQuality quality_of_triangles(const IndexedMesh& mesh, QualitySample sample) {
   MeshQuality result{};
-  const TriangleShapes shapes = triangle_shapes(whole(mesh));
-  result.min_angle_deg = distribution_of(shapes.min_angles_deg);
-  result.aspect_ratio = distribution_of(shapes.aspect_ratios);
-  result.degenerate_triangles = mesh.triangle_count() - shapes.aspect_ratios.size();
+  const auto fill = [&](const Brackets& of_angles, const Brackets& of_ratios) {
+    BracketedShapes shapes{BracketedValues(of_angles), BracketedValues(of_ratios)};
+    shapes.add(whole(mesh));
+    const auto angles = distribution_of(shapes.angles), ratios = distribution_of(shapes.ratios);
+    if (!angles || !ratios) return false;
+    result.min_angle_deg = *angles;
+    result.aspect_ratio = *ratios;
+    result.degenerate_triangles = mesh.triangle_count() - shapes.ratios.summary().count;
+    return true;
+  };
+  if (!fill(brackets_from_sample(std::move(sample.min_angles_deg)),
+            brackets_from_sample(std::move(sample.aspect_ratios))))
+    (void)fill(bracket_of_everything(), bracket_of_everything());
   return result;
 }
 
 MeshQuality quality(const IndexedMesh& mesh) {
-  // The edge lengths come first: the buckets end with this statement, before the second step
-  // allocates its arrays.
-  const Distribution edge_length =
-      distribution_of(edge_lengths(whole(mesh), EdgeBuckets(mesh.triangles, mesh.vertex_count())));
-  MeshQuality result = quality_of_triangles(mesh);
-  result.edge_length = edge_length;
+  const MeshPart part = whole(mesh);
+  QualitySample sample = sample_quality(part, usual_sample_step(mesh.triangle_count()));
+  const auto lengths_in = [&](const Brackets& brackets) {
+    BracketedValues lengths(brackets);
+    survey_part(part, {&lengths});
+    return distribution_of(lengths);
+  };
+  auto lengths = lengths_in(brackets_from_sample(std::move(sample.edge_lengths)));
+  if (!lengths) lengths = lengths_in(bracket_of_everything());
+  MeshQuality result = quality_of_triangles(mesh, std::move(sample));
+  result.edge_length = lengths.value();
   return result;
 }
 
@@ -211,23 +240,55 @@ Histogram histogram(std::span<const double> values, BinScale scale, double lower
 
 QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   QualityHistograms result;
-  result.edge_length =
-      histogram(edge_lengths(whole(mesh), EdgeBuckets(mesh.triangles, mesh.vertex_count())),
-                BinScale::logarithmic, 0x1p-10, 4, 48);
+  const MeshPart part = whole(mesh);
+  BracketedValues lengths(bracket_of_everything());
+  survey_part(part, {&lengths});
+  result.edge_length = histogram(lengths.inside(0), BinScale::logarithmic, 0x1p-10, 4, 48);
   // The smallest angle of a triangle is at most 60 degrees and its aspect ratio at least 1. Values
   // that rounding put beyond these bounds are moved to the bound, so that they count in a bin.
-  TriangleShapes shapes = triangle_shapes(whole(mesh));
-  for (double& angle : shapes.min_angles_deg) angle = std::min(angle, 60.0);
-  result.min_angle_deg = histogram(shapes.min_angles_deg, BinScale::linear, 0, 60, 30);
-  for (double& ratio : shapes.aspect_ratios) ratio = std::max(ratio, 1.0);
-  result.aspect_ratio = histogram(shapes.aspect_ratios, BinScale::logarithmic, 1, 1024, 40);
+  const auto of_angles = [](std::span<const double> angles) {
+    return histogram(angles, BinScale::linear, 0, 60, 30);
+  };
+  const auto of_ratios = [](std::span<const double> ratios) {
+    return histogram(ratios, BinScale::logarithmic, 1, 1024, 40);
+  };
+  struct Part {
+    Histogram angles, ratios;
+    std::vector<double> moved;
+  };
+  tbb::enumerable_thread_specific<Part> parts(Part{of_angles({}), of_ratios({}), {}});
+  visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
+    Part& mine = parts.local();
+    const auto add_moved = [&](std::span<const double> values, const auto& move, Histogram& sum,
+                               const auto& make) {
+      mine.moved.resize(values.size());
+      std::ranges::transform(values, mine.moved.begin(), move);
+      add(sum, make(mine.moved));
+    };
+    add_moved(
+        shapes.min_angles_deg, [](double angle) { return std::min(angle, 60.0); }, mine.angles,
+        of_angles);
+    add_moved(
+        shapes.aspect_ratios, [](double ratio) { return std::max(ratio, 1.0); }, mine.ratios,
+        of_ratios);
+  });
+  result.min_angle_deg = of_angles({});
+  result.aspect_ratio = of_ratios({});
+  for (const Part& mine : parts) {
+    add(result.min_angle_deg, mine.angles);
+    add(result.aspect_ratio, mine.ratios);
+  }
   return result;
 }
 
 std::vector<float> min_angles_deg(const IndexedMesh& mesh) {
   require_vertices(mesh);
-  const Buffer<double> angles = triangle_shapes(whole(mesh)).min_angles_deg;
-  return {angles.begin(), angles.end()};
+  std::vector<float> angles(mesh.triangle_count());
+  visit_shapes(whole(mesh), [&](std::size_t first, const TriangleShapes& shapes) {
+    std::ranges::transform(shapes.min_angles_deg, &angles[first],
+                           [](double angle) { return static_cast<float>(angle); });
+  });
+  return angles;
 }
 
 }  // namespace vdwmesh

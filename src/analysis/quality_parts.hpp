@@ -1,25 +1,38 @@
-// The steps of quality(), for callers that already have the EdgeBuckets of the mesh, or only a part
-// of it. examine() uses them to free the buckets between the two.
+// The steps of quality(), for callers that survey the edges of the mesh at the same time, or that
+// have only a part of it.
 #pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
 
 #include "analysis/mesh_measures.hpp"
 #include "analysis/mesh_part.hpp"
-#include "core/buffer.hpp"
-#include "mesh/edge_buckets.hpp"
 
 namespace vdwmesh {
 
+// The smallest angles and aspect ratios of some triangles.
 struct TriangleShapes {
-  Buffer<double> min_angles_deg;  // one per triangle, 0 for degenerate triangles
-  Buffer<double> aspect_ratios;   // of the triangles with an area above 0 only
+  std::span<const double> min_angles_deg;  // one per triangle, 0 for degenerate triangles
+  std::span<const double> aspect_ratios;   // of the triangles with an area above 0 only
 };
 
-// The shapes of the own triangles.
-TriangleShapes triangle_shapes(const MeshPart& part);
-// The length of each own edge, once, in the order of the edges' smaller vertices, Å. Precondition:
-// `buckets` were made from the triangles of the mesh.
-Buffer<double> edge_lengths(const MeshPart& part, const EdgeBuckets& buckets);
+// Calls visit(first, shapes) for blocks of own triangles, of which `first` is the first one's
+// index, from any number of threads. The shapes are valid during the call.
+void visit_shapes(
+    const MeshPart& part,
+    const std::function<void(std::size_t first, const TriangleShapes& shapes)>& visit);
+
+// Values of every step-th own triangle: in all much like a random sample of the part's values.
+struct QualitySample {
+  std::vector<double> min_angles_deg, aspect_ratios, edge_lengths;
+};
+QualitySample sample_quality(const MeshPart& part, std::size_t step);
+// The step that makes a sample large enough to expect percentiles in narrow brackets.
+std::size_t usual_sample_step(std::uint64_t triangles);
+
 // Fills all members of MeshQuality but the edge lengths.
-MeshQuality quality_of_triangles(const IndexedMesh& mesh);
+MeshQuality quality_of_triangles(const IndexedMesh& mesh, QualitySample sample);
 
 }  // namespace vdwmesh

@@ -15,8 +15,9 @@ namespace vdwmesh {
 // to_surface_mesh(), including the mesh that it returns.
 std::uint64_t surface_mesh_bytes(const MeshSize& mesh, Connectivity given);
 
-// topology(), measures() and quality(), called one after the other.
+// examine() of a closed 2-manifold, and of triangles of which nothing is known.
 std::uint64_t measures_bytes(const MeshSize& mesh);
+std::uint64_t measures_of_soup_bytes(const MeshSize& mesh);
 
 // self_intersections().
 std::uint64_t self_intersections_bytes(const MeshSize& mesh);

@@ -1,24 +1,26 @@
-// distribution_together(): the ranks add up their sums and histograms. The histogram says in which
-// bin each percentile is, which gives the upper bits of the value. Its lower bits are found a few
-// at a time, from the highest on: the ranks count their values by these bits, and keep the values
-// that agree with the percentile so far. So no values are sent.
+// distribution_together(): the ranks add up their sums and the numbers of values below each
+// bracket. These say which of the values inside of a bracket the percentile is. Its bits are found
+// a few at a time, from the highest on: the ranks count their values by these bits, and keep the
+// values that agree with the percentile so far. So no values are sent.
 #include "distributed/distribution_together.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <vector>
+#include <utility>
 
 namespace vdwmesh {
 namespace {
 
 constexpr int kBitsAtATime = 12;
 
-// The value that stands at `place` among those of all ranks that are in a bin, sorted. `values` are
-// those of this rank. Collective.
-double value_at(const Ranks& ranks, std::vector<double> values, const ValuePlace& place) {
-  std::uint64_t found = place.bin, before = place.place;
-  for (int left = kBitsInBin; left > 0;) {
+// The value of rank `rank`, from 0, among those of all ranks, sorted. `values` are those of this
+// rank. Precondition: no value has a sign bit, so that the values are in the order of their bits.
+// Collective.
+double value_of_rank(const Ranks& ranks, Buffer<double> values, std::uint64_t rank) {
+  constexpr int kBits = 63;
+  std::uint64_t found = 0;
+  for (int left = kBits; left > 0;) {
     const int taken = std::min(left, kBitsAtATime);
     left -= taken;
     const auto digit_of = [=](double value) {
@@ -28,7 +30,7 @@ double value_at(const Ranks& ranks, std::vector<double> values, const ValuePlace
     for (const double value : values) ++counts[digit_of(value)];
     ranks.add_up(counts);
     std::uint64_t digit = 0;
-    for (; before >= counts[digit]; ++digit) before -= counts[digit];
+    for (; rank >= counts[digit]; ++digit) rank -= counts[digit];
     std::erase_if(values, [&](double value) { return digit_of(value) != digit; });
     found = found << taken | digit;
   }
@@ -45,27 +47,35 @@ ValueSummary sum_together(const Ranks& ranks, const ValueSummary& mine) {
 
 }  // namespace
 
-Distribution distribution_together(const Ranks& ranks, std::span<const double> values) {
-  const std::uint64_t count = ranks.sum(std::uint64_t{values.size()});
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (count == 0) return {kNone, kNone, kNone, kNone, kNone, kNone};
-  std::vector<std::uint64_t> counts;
+Brackets brackets_together(const Ranks& ranks, const std::vector<double>& sample) {
+  std::vector<double> all = ranks.collect(std::span<const double>(sample));
+  Brackets brackets;
+  ranks.together([&] {
+    if (ranks.is_first()) brackets = brackets_from_sample(std::move(all));
+  });
+  return ranks.shared(brackets);
+}
+
+std::optional<Distribution> distribution_together(const Ranks& ranks,
+                                                  const BracketedValues& values) {
   ValueSummary mine;
-  ranks.together([&] { mine = summarize_values(values, counts); });
-  ranks.add_up(counts);
+  ranks.together([&] { mine = values.summary(); });
   const ValueSummary all = sum_together(ranks, mine);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (all.count == 0) return Distribution{kNone, kNone, kNone, kNone, kNone, kNone};
   std::array<double, kPercentiles.size()> percentiles;
-  for (std::size_t i = 0; i < kPercentiles.size(); ++i) {
-    const ValuePlace place = place_of_percentile(counts, count, kPercentiles[i]);
-    std::vector<double> inside;
-    ranks.together([&] {
-      std::ranges::copy_if(values, std::back_inserter(inside),
-                           [&](double value) { return bin_of_value(value) == place.bin; });
-    });
-    percentiles[i] = value_at(ranks, std::move(inside), place);
+  for (std::size_t p = 0; p < percentiles.size(); ++p) {
+    const std::size_t i = values.brackets().of_percentile[p];
+    Buffer<double> inside;
+    ranks.together([&] { inside = values.inside(i); });
+    const std::uint64_t kept = ranks.sum(std::uint64_t{inside.size()});
+    const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
+    if (rank < all.below[i] || rank - all.below[i] >= kept) return std::nullopt;
+    percentiles[p] = value_of_rank(ranks, std::move(inside), rank - all.below[i]);
   }
   const auto& [p01, median, p99] = percentiles;
-  return {all.min, p01, median, p99, all.max, all.sum.nearest() / static_cast<double>(count)};
+  return Distribution{all.min, p01,     median,
+                      p99,     all.max, all.sum.nearest() / static_cast<double>(all.count)};
 }
 
 }  // namespace vdwmesh

@@ -9,16 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/edge_survey.hpp"
 #include "analysis/quality_parts.hpp"
 #include "analysis/shell_sums.hpp"
+#include "analysis/vertex_survey.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "distributed/border_mesh.hpp"
 #include "distributed/distribution_together.hpp"
 #include "distributed/joined_sets.hpp"
-#include "mesh/edge_buckets.hpp"
 #include "surface/box.hpp"
 
 namespace vdwmesh {
@@ -146,39 +145,59 @@ Shells sum_shells(const Ranks& ranks, const BorderMesh& part) {
 
 PartSurvey survey_together(const Ranks& ranks, const PartSurvey& mine) {
   const auto all = [&](bool holds) { return ranks.sum(std::uint64_t{!holds}) == 0; };
-  return {all(mine.closed), all(mine.manifold), all(mine.oriented), ranks.sum(mine.edges),
-          ranks.sum(mine.used_vertices)};
+  return {all(mine.closed),      all(mine.manifold),
+          all(mine.oriented),    all(mine.at_most_two_sides),
+          ranks.sum(mine.edges), ranks.sum(mine.used_vertices)};
 }
 
-MeshQuality quality_together(const Ranks& ranks, const BorderMesh& part,
-                             std::optional<EdgeBuckets>& buckets) {
-  MeshQuality quality{};
-  Buffer<double> lengths;
+// Brackets of each distribution of a mesh.
+struct QualityBrackets {
+  Brackets min_angles_deg, aspect_ratios, edge_lengths;
+};
+
+// Surveys the part and fills the quality of the whole mesh, which is that of all ranks. Returns
+// nothing if a percentile was outside of its bracket. Collective.
+std::optional<MeshQuality> quality_together(const Ranks& ranks, const BorderMesh& part,
+                                            const QualityBrackets& brackets, PartSurvey& survey) {
+  BracketedValues lengths(brackets.edge_lengths), angles(brackets.min_angles_deg),
+      ratios(brackets.aspect_ratios);
   ranks.together([&] {
-    lengths = edge_lengths(part.part(), *buckets);
-    buckets.reset();
+    survey = survey_part(part.part(), {&lengths});
+    visit_shapes(part.part(), [&](std::size_t, const TriangleShapes& shapes) {
+      angles.add(shapes.min_angles_deg);
+      ratios.add(shapes.aspect_ratios);
+    });
   });
-  quality.edge_length = distribution_together(ranks, lengths);
-  lengths = Buffer<double>();  // frees the memory, as {} would not
-  TriangleShapes shapes;
-  ranks.together([&] { shapes = triangle_shapes(part.part()); });
-  quality.min_angle_deg = distribution_together(ranks, shapes.min_angles_deg);
-  quality.aspect_ratio = distribution_together(ranks, shapes.aspect_ratios);
-  quality.degenerate_triangles =
-      ranks.sum(std::uint64_t{part.triangles - shapes.aspect_ratios.size()});
-  return quality;
+  const auto edge_length = distribution_together(ranks, lengths);
+  const auto min_angle_deg = distribution_together(ranks, angles);
+  const auto aspect_ratio = distribution_together(ranks, ratios);
+  const std::uint64_t degenerate =
+      ranks.sum(std::uint64_t{part.triangles} - ratios.summary().count);
+  if (!edge_length || !min_angle_deg || !aspect_ratio) return std::nullopt;
+  return MeshQuality{*min_angle_deg, *aspect_ratio, *edge_length, degenerate};
+}
+
+// Collective.
+QualityBrackets brackets_of_quality(const Ranks& ranks, const BorderMesh& part,
+                                    std::uint64_t all_triangles) {
+  QualitySample sample;
+  ranks.together([&] { sample = sample_quality(part.part(), usual_sample_step(all_triangles)); });
+  return {brackets_together(ranks, sample.min_angles_deg),
+          brackets_together(ranks, sample.aspect_ratios),
+          brackets_together(ranks, sample.edge_lengths)};
 }
 
 }  // namespace
 
 MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece) {
   const BorderMesh part = make_border_mesh(ranks, piece);
-  std::optional<EdgeBuckets> buckets;
   PartSurvey survey{};
-  ranks.together([&] {
-    buckets.emplace(part.mesh.triangles, part.mesh.vertex_count());
-    survey = survey_part(part.part(), *buckets);
-  });
+  std::optional<MeshQuality> quality = quality_together(
+      ranks, part, brackets_of_quality(ranks, part, piece.whole.triangles), survey);
+  if (!quality) {
+    const Brackets all = bracket_of_everything();
+    quality = quality_together(ranks, part, {all, all, all}, survey);
+  }
   survey = survey_together(ranks, survey);
   ranks.together([&] {
     if (survey.closed && survey.manifold && survey.oriented) return;
@@ -188,8 +207,7 @@ MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece) 
   const MeshCounts counts{survey.closed,         survey.manifold,      survey.oriented,
                           piece.whole.vertices,  survey.used_vertices, survey.edges,
                           piece.whole.triangles, shells.count};
-  return {topology_of(counts, shells.totals), measures_of(counts, shells.totals),
-          quality_together(ranks, part, buckets)};
+  return {topology_of(counts, shells.totals), measures_of(counts, shells.totals), quality.value()};
 }
 
 }  // namespace vdwmesh

@@ -8,10 +8,9 @@
 #include "distributed/ranks.hpp"
 #include "distributed/shared_file.hpp"
 #include "distributed/surface_piece.hpp"
+#include "mesh/element_color.hpp"
 
 namespace vdwmesh {
-
-using RgbColor = std::array<std::uint8_t, 3>;
 
 // Throws LimitExceeded if a mesh of this size has more vertices than a PLY file can have.
 void check_ply_size(const MeshSize& size);

@@ -8,20 +8,15 @@
 // edges and their faces with it.
 #include "mesh/edge_buckets.hpp"
 
-#include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <functional>
-#include <optional>
 #include <utility>
-#include <vector>
 
-#include "core/errors.hpp"
 #include "core/large_pages.hpp"
+#include "mesh/groups_by_range.hpp"
+#include "mesh/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -29,14 +24,6 @@ namespace {
 // Buckets up to this size are sorted by insertion, which beats std::sort on short arrays. Closed
 // meshes have about six half-edges per vertex, so nearly every bucket is that short.
 constexpr std::size_t kInsertionSortLimit = 32;
-// A range of 8192 vertices has about 49,000 half-edges in a closed mesh: with 3 edges per vertex,
-// two half-edges each. As HalfEdge (4 bytes) and as EdgeEntry (8 bytes) they take 600 kB together,
-// which the second-level cache of a core can hold.
-constexpr std::size_t kVerticesPerRange = 1 << 13;
-// Triangles of a block, unless that makes more than kMostBlocks blocks: then blocks are larger.
-// The limit bounds the table of counters, which has one counter per range and block.
-constexpr std::size_t kTrianglesPerBlock = 1 << 16;
-constexpr std::size_t kMostBlocks = 256;
 
 // Sorts [first, last) by insertion if it is short. An empty bucket is left at once, since its
 // pointers may be null, and first + 1 would not be defined.
@@ -83,141 +70,6 @@ void for_each_side(const Triangle& triangle, Visit&& visit) {
   }
 }
 
-// What a first look at the triangles finds. The first two members are indices of triangles. The sum
-// of two surveys keeps the left one's index if it has one, because the left survey is of earlier
-// triangles. The sum is associative, so a parallel reduction finds the first index of all for any
-// number of threads.
-struct IndexSurvey {
-  std::optional<std::size_t> invalid_index;   // first triangle with an index too large: an error
-  std::optional<std::size_t> repeated_index;  // first that names a vertex twice: no error here
-  std::size_t half_edges = 0;                 // half-edges whose ends differ
-
-  IndexSurvey operator+(const IndexSurvey& later) const {
-    return {invalid_index ? invalid_index : later.invalid_index,
-            repeated_index ? repeated_index : later.repeated_index, half_edges + later.half_edges};
-  }
-};
-
-IndexSurvey survey_indices(std::span<const Triangle> triangles, std::size_t vertex_count) {
-  using Range = tbb::blocked_range<std::size_t>;
-  return tbb::parallel_reduce(
-      Range(0, triangles.size(), kTrianglesPerBlock), IndexSurvey{},
-      [&](const Range& range, IndexSurvey found) {
-        for (std::size_t t = range.begin(); t < range.end(); ++t) {
-          const auto [i, j, k] = triangles[t];
-          if (std::max({i, j, k}) >= vertex_count && !found.invalid_index) found.invalid_index = t;
-          const unsigned sides = (i != j) + (j != k) + (k != i);
-          if (sides < 3 && !found.repeated_index) found.repeated_index = t;
-          found.half_edges += sides;
-        }
-        return found;
-      },
-      std::plus<>());
-}
-
-// An array of counters, one per range. The counter of the range used last is kept outside of the
-// array, in value_: neighbouring triangles mostly fall into the same range, and a value in a
-// register counts faster than one that goes through memory each time.
-class Counters {
- public:
-  explicit Counters(std::vector<std::uint32_t> values)
-      : values_(std::move(values)), value_(values_.empty() ? 0 : values_[0]) {}
-
-  // Adds one to the counter of a range and returns its value before that.
-  std::uint32_t take(std::size_t range) {
-    if (range != range_) {
-      values_[range_] = value_;
-      range_ = range;
-      value_ = values_[range];
-    }
-    return value_++;
-  }
-  std::uint32_t operator[](std::size_t range) const {
-    return range == range_ ? value_ : values_[range];
-  }
-
- private:
-  std::vector<std::uint32_t> values_;  // by range; the value for range_ is out of date
-  std::size_t range_ = 0;              // the range used last
-  std::uint32_t value_;                // counter of range_
-};
-
-// The half-edges grouped by the range of their smaller vertex, and in input order within a range.
-// It is a parallel counting sort in two passes over blocks of triangles. The first pass counts the
-// half-edges of each block and range. An exclusive prefix sum over (range, block) turns the counts
-// into positions in the sorted list. The second pass writes each half-edge to its position. The
-// blocks depend on the number of triangles alone and the positions on the counts alone, so the
-// result does not depend on the number of threads.
-class HalfEdgesByRange {
- public:
-  HalfEdgesByRange(std::span<const Triangle> triangles, std::size_t vertex_count)
-      : triangles_(triangles),
-        per_block_(std::max(kTrianglesPerBlock, triangles.size() / kMostBlocks + 1)),
-        blocks_((triangles.size() + per_block_ - 1) / per_block_),
-        ranges_((vertex_count + kVerticesPerRange - 1) / kVerticesPerRange),
-        count_or_position_(ranges_ * blocks_, 0),
-        first_of_range_(ranges_ + 1, 0) {
-    for_blocks([&](std::size_t b) { count(b); });
-    // The prefix sum. exchange() replaces a count by the sum before it and returns the count.
-    std::uint32_t sum = 0;
-    for (std::size_t r = 0; r < ranges_; ++r) {
-      first_of_range_[r] = sum;
-      for (std::size_t b = 0; b < blocks_; ++b)
-        sum += std::exchange(count_or_position_[r * blocks_ + b], sum);
-    }
-    first_of_range_[ranges_] = sum;
-    resize_untouched(half_edges_, sum);
-    for_blocks([&](std::size_t b) { write(b); });
-  }
-
-  std::size_t ranges() const { return ranges_; }
-  // Index of the range's first half-edge in the sorted list. The EdgeEntry objects of the range
-  // begin at the same index in EdgeBuckets::entries_, because both arrays are sorted by range.
-  std::uint32_t first(std::size_t range) const { return first_of_range_[range]; }
-  std::span<const HalfEdge> of(std::size_t range) const {
-    return {half_edges_.data() + first(range), first(range + 1) - first(range)};
-  }
-
- private:
-  template <class Body>
-  void for_blocks(Body&& body) const {
-    tbb::parallel_for(std::size_t{0}, blocks_, body);
-  }
-
-  // Calls visit(half-edge, range of its smaller vertex) for the half-edges of block b.
-  template <class Visit>
-  void visit_half_edges(std::size_t b, Visit&& visit) const {
-    const std::size_t end = std::min((b + 1) * per_block_, triangles_.size());
-    for (std::size_t t = b * per_block_; t < end; ++t)
-      for_each_side(triangles_[t], [&](unsigned side, std::uint32_t from, std::uint32_t to) {
-        visit(HalfEdge(t, side), std::min(from, to) / kVerticesPerRange);
-      });
-  }
-
-  // First pass over block b: counts its half-edges by range.
-  void count(std::size_t b) {
-    Counters counts(std::vector<std::uint32_t>(ranges_, 0));
-    visit_half_edges(b, [&](HalfEdge, std::size_t range) { counts.take(range); });
-    for (std::size_t r = 0; r < ranges_; ++r) count_or_position_[r * blocks_ + b] = counts[r];
-  }
-
-  // Second pass over block b, after the prefix sum: writes its half-edges to the sorted list.
-  void write(std::size_t b) {
-    // For each range, the position in the sorted list of the block's next half-edge.
-    std::vector<std::uint32_t> positions(ranges_);
-    for (std::size_t r = 0; r < ranges_; ++r) positions[r] = count_or_position_[r * blocks_ + b];
-    Counters next(std::move(positions));
-    visit_half_edges(b, [&](HalfEdge h, std::size_t range) { half_edges_[next.take(range)] = h; });
-  }
-
-  std::span<const Triangle> triangles_;
-  std::size_t per_block_, blocks_, ranges_;
-  // [range][block]: the number of half-edges, later the position of the first of them.
-  std::vector<std::uint32_t> count_or_position_;
-  std::vector<std::uint32_t> first_of_range_;  // index in half_edges_; the last value is the end
-  Buffer<HalfEdge> half_edges_;                // the sorted list
-};
-
 // Fills the buckets of end.size() vertices, from `first_vertex` on. This is a counting sort by
 // smaller vertex, then a sort of each bucket. The first of these buckets begins at entries[begin].
 // for_each_half_edge(visit) calls visit(number, from, to) for each half-edge whose smaller vertex
@@ -258,11 +110,17 @@ void fill_on_one_core(std::span<const Triangle> triangles, std::span<std::uint32
   fill_buckets(all, 0, 0, end, entries);
 }
 
-// Sorts half-edges by range of vertices first (`listed`). Then each range is a task of its own,
-// whose buckets no other task writes.
+// Groups half-edges by range of smaller vertices first (`listed`). Then each range is a task of its
+// own, whose buckets no other task writes. Both the list and the entries are sorted by range, so
+// the entries of a range begin at the index of its first half-edge in the list.
 void fill_on_all_cores(std::span<const Triangle> triangles, std::span<std::uint32_t> end,
                        EdgeEntry* entries) {
-  const HalfEdgesByRange listed(triangles, end.size());
+  const GroupsByRange<HalfEdge> listed(
+      triangles.size(), end.size(), [&](std::size_t t, const auto& emit) {
+        for_each_side(triangles[t], [&](unsigned side, std::uint32_t from, std::uint32_t to) {
+          emit(HalfEdge(t, side), std::min(from, to) / kVerticesPerRange);
+        });
+      });
   tbb::parallel_for(std::size_t{0}, listed.ranges(), [&](std::size_t r) {
     const auto of_range = [&](const auto& visit) {
       for (const HalfEdge h : listed.of(r)) {
@@ -279,17 +137,7 @@ void fill_on_all_cores(std::span<const Triangle> triangles, std::span<std::uint3
 }  // namespace
 
 EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex_count) {
-  if (triangles.size() > kMaxSurfaceHalfEdges / 3)
-    throw LimitExceeded(
-        fmt::format("{} triangles have more than the {} half-edges a mesh can hold; a coarser "
-                    "spacing makes fewer",
-                    triangles.size(), kMaxSurfaceHalfEdges));
-  const IndexSurvey found = survey_indices(triangles, vertex_count);
-  // The vertex that the message names is the largest of the triangle, hence one that is too large.
-  if (found.invalid_index)
-    throw InvalidInput(
-        fmt::format("triangle {} names vertex {}, but there are {} vertices", *found.invalid_index,
-                    std::ranges::max(triangles[*found.invalid_index]), vertex_count));
+  const TriangleCheck found = check_triangles(triangles, vertex_count);
   repeated_index_ = found.repeated_index;
   resize_untouched(end_, vertex_count);
   resize_untouched(entries_, found.half_edges);

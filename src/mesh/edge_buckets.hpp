@@ -11,12 +11,10 @@
 #include <span>
 
 #include "core/buffer.hpp"
+#include "mesh/triangle_check.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
-
-// The most half-edges that a SurfaceMesh can have, because OpenMesh's handles are of type int.
-inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
 
 // The half-edges after and before h = 3t + k in its triangle t.
 constexpr std::uint32_t next_in_triangle(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }

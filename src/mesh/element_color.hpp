@@ -7,12 +7,14 @@
 
 namespace vdwmesh {
 
-// The CPK colour of an element, as Jmol extends them: sRGB, red first, 0 to 255. `element` is a
+using RgbColor = std::array<std::uint8_t, 3>;  // sRGB, red first, 0 to 255
+
+// The CPK colour of an element, as Jmol extends them. `element` is a
 // chemical symbol, whose case does not matter. Elements outside of the table, which has those met
 // in structures of macromolecules, share a strong pink.
-std::array<std::uint8_t, 3> element_color(std::string_view element);
+RgbColor element_color(std::string_view element);
 
 // Grey: the colour of a vertex that has no atom, or of a mesh until it is coloured.
-inline constexpr std::array<std::uint8_t, 3> kPlainColor{176, 176, 176};
+inline constexpr RgbColor kPlainColor{176, 176, 176};
 
 }  // namespace vdwmesh

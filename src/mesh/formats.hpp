@@ -5,10 +5,12 @@
 // hold so many elements.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "mesh/element_color.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/output_file.hpp"
 
@@ -18,6 +20,9 @@ namespace vdwmesh::formats {
 using Warnings = std::vector<std::string>;
 
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink);
+// The file of the SurfaceMesh of the same mesh, byte for byte. `colors` has one for each sphere
+// that the mesh names. Precondition: vertices have normals.
+void write_ply(const IndexedMesh& mesh, std::span<const RgbColor> colors, ByteSink& sink);
 void write_obj(const SurfaceMesh& mesh, ByteSink& sink);
 void write_off(const SurfaceMesh& mesh, ByteSink& sink);
 void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings);

@@ -65,6 +65,31 @@ void check_writable(const SurfaceMesh& mesh) {
   if (!all_good) refuse(mesh);
 }
 
+// The same for a mesh without half-edges, whose spheres need colours.
+void check_writable(const IndexedMesh& mesh, std::size_t colors) {
+  if (mesh.normals.size() != mesh.vertex_count())
+    throw InvalidInput(fmt::format("{} vertex normals, where {} are needed", mesh.normals.size(),
+                                   mesh.vertex_count()));
+  const auto is_good = [&](std::size_t v) {
+    const Vec3d& p = mesh.positions[v];
+    const SphereId atom = mesh.vertex_spheres.empty() ? kNoSphere : mesh.vertex_spheres[v][0];
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
+           (atom == kNoSphere || atom < colors);
+  };
+  std::atomic<bool> all_good = true;
+  for_each_index(mesh.vertex_count(), [&](std::size_t v) {
+    if (!is_good(v)) all_good = false;
+  });
+  if (all_good) return;
+  std::size_t v = 0;
+  while (is_good(v)) ++v;
+  const Vec3d& p = mesh.positions[v];
+  if (!std::isfinite(p.x + p.y + p.z))
+    throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v, p.x, p.y, p.z));
+  throw InvalidInput(fmt::format("vertex {} lies on sphere {}, but there are {} colours", v,
+                                 mesh.vertex_spheres[v][0], colors));
+}
+
 void write(const SurfaceMesh& mesh, MeshFormat format, ByteSink& sink,
            formats::Warnings& warnings) {
   check_writable(mesh);
@@ -168,6 +193,15 @@ std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& pat
   write(mesh, format, file, warnings);
   file.commit();
   return warnings;
+}
+
+void write_ply(const IndexedMesh& mesh, std::span<const RgbColor> colors, const fs::path& path,
+               const Monitor* monitor) {
+  check_writable(mesh, colors.size());
+  OutputFile file(path);
+  file.watch(monitor);
+  formats::write_ply(mesh, colors, file);
+  file.commit();
 }
 
 EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format) {

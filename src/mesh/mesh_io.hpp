@@ -5,11 +5,13 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/monitor.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "surface/indexed_mesh.hpp"
 
@@ -34,6 +36,13 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 // count or number the elements, and Cancelled if `monitor` asks to stop.
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path,
                                     const Monitor* monitor = nullptr);
+
+// Writes the PLY file that write_mesh() writes of the SurfaceMesh of the same mesh, byte for byte,
+// without one: colors[i] is the colour of sphere i, where color_by_element() takes its element.
+// Throws as write_mesh() does, and InvalidInput if the mesh has no normals or names a sphere that
+// has no colour.
+void write_ply(const IndexedMesh& mesh, std::span<const RgbColor> colors,
+               const std::filesystem::path& path, const Monitor* monitor = nullptr);
 
 // The content of a mesh file, which any program may have written. The triangles may have a
 // boundary, be no manifold or face inwards.

@@ -1,4 +1,4 @@
-// Writer of PLY, the only format here that keeps everything a SurfaceMesh has: double positions,
+// Writers of PLY, the only format here that keeps everything a SurfaceMesh has: double positions,
 // normals, colours, the sphere ids of vertices and faces, and patches with their curvatures. The
 // file is binary little-endian. The order of the properties in kHeader is the order in which
 // write_ply_vertex() and write_ply_face() append the values.
@@ -10,6 +10,7 @@
 
 #include "core/errors.hpp"
 #include "mesh/chunk_writer.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/formats.hpp"
 #include "mesh/patch_properties.hpp"
 #include "mesh/ply_records.hpp"
@@ -79,6 +80,25 @@ std::int32_t ply_sphere(SphereId id) {
   if (id > static_cast<SphereId>(std::numeric_limits<std::int32_t>::max()))
     throw LimitExceeded(fmt::format("sphere {} is beyond PLY's int; leave some spheres out", id));
   return static_cast<std::int32_t>(id);
+}
+
+void write_ply(const IndexedMesh& mesh, std::span<const RgbColor> colors, ByteSink& sink) {
+  const TriangleLabels labels = mesh.triangle_labels();
+  const std::string header = ply_header({mesh.vertex_count(), mesh.triangle_count()}, labels);
+  const std::uint64_t face_bytes = ply_face_bytes(labels);
+  sink.expect(header.size() + kPlyVertexBytes * mesh.vertex_count() +
+              face_bytes * mesh.triangle_count());
+  sink.write(header.data(), header.size());
+  const bool labelled = !mesh.vertex_spheres.empty();
+  write_records(sink, mesh.vertex_count(), kPlyVertexBytes, [&](RecordBytes& out, std::size_t v) {
+    const VertexSpheres spheres = labelled ? mesh.vertex_spheres[v] : on_sphere(kNoSphere);
+    const RgbColor color = spheres[0] == kNoSphere ? kPlainColor : colors[spheres[0]];
+    write_ply_vertex(out, mesh.positions[v], mesh.normals[v], color, spheres);
+  });
+  write_records(sink, mesh.triangle_count(), face_bytes, [&](RecordBytes& out, std::size_t t) {
+    write_ply_face(out, mesh.triangles[t]);
+    if (labels == TriangleLabels::spheres) out.raw(ply_sphere(mesh.triangle_spheres[t]));
+  });
 }
 
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {

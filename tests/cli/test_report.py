@@ -242,7 +242,7 @@ class TextReport(ProgramTest):
 
     def test_stages_add_up_to_the_total(self):
         """By the clock and in processor time, whichever stages run."""
-        mesh, out = self.folder / "add_up.ply", self.folder / "add_up.csv"
+        mesh, out = self.folder / "add_up.obj", self.folder / "add_up.csv"
         for arguments, stages in (
             (("report", UBIQUITIN, "--spacing", "0.5", "--per-atom", out),
              {"refine", "levels", "cgal_check", "compare", "write"}),

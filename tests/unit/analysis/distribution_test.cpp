@@ -69,5 +69,31 @@ TEST(Distribution, ExtremeValues) {
   expect_ranks(values);
 }
 
+// A sample of another set: no percentile is in its bracket, and it is said so. The bracket of
+// everything always finds them.
+TEST(Distribution, APercentileOutsideOfItsBracket) {
+  const std::vector<double> values(1000, 2.0);
+  for (const double elsewhere : {1.0, 3.0}) {
+    BracketedValues bracketed(brackets_from_sample(std::vector<double>(100'000, elsewhere)));
+    bracketed.add(values);
+    EXPECT_FALSE(distribution_of(bracketed).has_value());
+  }
+  BracketedValues all(bracket_of_everything());
+  all.add(values);
+  EXPECT_EQ(distribution_of(all).value().median, 2);
+}
+
+// Values that begin otherwise than they go on, so that the sample of a part would mislead, and a
+// period that the sample is in step with.
+TEST(Distribution, ValuesInOrder) {
+  std::vector<double> values(300'000);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i / 1000);
+  expect_ranks(values);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i % 19);
+  expect_ranks(values);
+  std::ranges::reverse(values);
+  expect_ranks(values);
+}
+
 }  // namespace
 }  // namespace vdwmesh

@@ -11,14 +11,17 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/errors.hpp"
 #include "core/monitor.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/patch_properties.hpp"
 #include "mesh_files.hpp"
@@ -83,6 +86,47 @@ TEST(MeshIo, PlySaysOfWhichPatchesASurfaceIsMade) {
   EXPECT_TRUE(back.triangle_spheres.empty());
   patched.triangle_patch.pop_back();
   EXPECT_THROW(add_patch_properties(mesh, patched), InvalidInput);
+}
+
+// PLY from the arrays of a mesh: the bytes that the half-edge mesh of the same arrays gives.
+TEST(MeshIo, PlyWithoutHalfEdges) {
+  const TemporaryDirectory directory;
+  IndexedMesh mesh = labelled_mesh();
+  if (mesh.normals.empty()) mesh.normals.assign(mesh.vertex_count(), {0, 0.6f, 0.8f});
+  const auto bytes_of = [](const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  std::vector<std::string> elements(mesh.vertex_count() + 1);
+  std::vector<RgbColor> colors;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    elements[i] = i % 3 == 0 ? "C" : (i % 3 == 1 ? "o" : "Xx");
+    colors.push_back(element_color(elements[i]));
+  }
+  for (const bool labels : {true, false}) {
+    if (!labels) mesh.triangle_spheres.clear();
+    SurfaceMesh built = to_surface_mesh(mesh);
+    color_by_element(built, elements);
+    write_mesh(built, directory / "built.ply");
+    write_ply(mesh, colors, directory / "arrays.ply");
+    EXPECT_TRUE(bytes_of(directory / "built.ply") == bytes_of(directory / "arrays.ply"));
+  }
+  const auto expect_refused = [&](const IndexedMesh& bad, std::size_t count, const char* why) {
+    const fs::path path = directory / "bad.ply";
+    try {
+      write_ply(bad, std::span(colors).first(count), path);
+      ADD_FAILURE() << "was written: " << why;
+    } catch (const InvalidInput& error) {
+      EXPECT_THAT(error.what(), HasSubstr(why));
+    }
+    EXPECT_FALSE(fs::exists(path));
+  };
+  expect_refused(mesh, 1, "but there are 1 colours");
+  IndexedMesh bad = mesh;
+  bad.positions[1].y = std::numeric_limits<double>::infinity();
+  expect_refused(bad, colors.size(), "vertex 1 is at");
+  bad.normals.clear();
+  expect_refused(bad, colors.size(), "0 vertex normals");
 }
 
 // The least and the greatest of the floats as stored, bit for bit, as glTF wants them.

@@ -1,0 +1,27 @@
+// The first look at triangles whose indices nobody has checked.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "surface/indexed_mesh.hpp"
+
+namespace vdwmesh {
+
+// The most half-edges that a SurfaceMesh can have, because OpenMesh's handles are of type int.
+inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
+
+struct TriangleCheck {
+  // The number of the first triangle that names a vertex twice, if there is one. This is no error
+  // here: the analysis says that such a mesh is no manifold, and opposite_half_edges() refuses it.
+  std::optional<std::size_t> repeated_index;
+  std::size_t half_edges = 0;  // those whose ends differ
+};
+
+// Throws InvalidInput if a triangle has an index of vertex_count or more, and LimitExceeded beyond
+// 2^31 - 1 half-edges. On all cores.
+TriangleCheck check_triangles(std::span<const Triangle> triangles, std::size_t vertex_count);
+
+}  // namespace vdwmesh
