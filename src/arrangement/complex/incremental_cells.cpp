@@ -292,10 +292,11 @@ VDWMESH_INLINE bool FlatTriangulation::fill_hole(std::uint32_t ball) {
   marks_.resize(cells_.size(), 0);
   if (form_balls_.size() < count) form_balls_.resize(2 * count);
   FlatCell* const cells = cells_.data();
-  const std::uint32_t* const last_free = free_.data() + free_.size() - 1;
+  const std::uint32_t* const free = free_.data();
+  const std::size_t free_count = free_.size();
   for (std::size_t i = 0; i < count; ++i) {
     Facet& facet = facets_[i];
-    facet.made = i < reused ? *(last_free - i) : next++;
+    facet.made = i < reused ? free[free_count - 1 - i] : next++;
     FlatCell& removed = cells[facet.cell];
     const std::uint32_t outside = removed.neighbors[facet.slot];
     FlatCell& made = cells[facet.made];
