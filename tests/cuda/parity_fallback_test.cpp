@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "cuda/backend.hpp"
 #include "cuda/parity.hpp"
 #include "cuda/refused_memory.hpp"
+#include "extract/batch_extractor.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -51,6 +53,45 @@ TEST_F(Parity, RefinementThatDoesNotFit) {
       << automatic.fallback;
   refine.device_memory = kNoMemoryLimit;
   EXPECT_EQ(make_pipeline(Backend::automatic)->run(spheres, extract, refine).fallback, "");
+}
+
+// A batch is divided if its stack of grids has more layers than keys of bricks can number: here 17
+// grids, each as high as an axis may be. A set that is too large for a mesh is then named by its
+// number in the batch, not in the part that was extracted together. The ball of that set has
+// 6 pi (r / h)^2 vertices, the grid lines that it crosses twice in each direction: 7.7e8, so 4.6e9
+// half-edges, more than 2^32. Its 12 million bricks take some 10 GB; on a device without them the
+// set is refused alone, with the same number.
+TEST_F(Parity, DividedBatchNamesTheSetThatIsTooLarge) {
+  constexpr std::size_t tall = 17, large = tall, small = tall + 1;
+  const std::vector<Sphere> balls = [] {
+    std::vector<Sphere> all(small + 1, Sphere{{0, 0, 0}, 1});
+    all[large].radius = 64;
+    return all;
+  }();
+  std::vector<std::size_t> offsets;
+  for (std::size_t set = 0; set <= balls.size(); ++set) offsets.push_back(set);
+  std::vector<GridOptions> grids(balls.size());
+  for (std::size_t set = 0; set < tall; ++set) {
+    grids[set].given = GridSpec{{-3, -3, -3}, 0.5, {12, 12, kMaxCellsPerAxis}};
+  }
+  grids[large].spacing = 0.01;
+  ExtractOptions options;
+  options.connectivity = Connectivity::half_edges;
+  const auto extractor = make_batch_extractor(Backend::cuda);
+  // The sets before the large one: they fit the device, and are divided all the same.
+  const BatchExtraction some = extractor->extract(
+      {{.spheres = balls.data(), .size = tall, .offsets = std::span(offsets).first(tall + 1)},
+       std::span(grids).first(tall)},
+      options);
+  EXPECT_EQ(some.stats.slabs, 2u);
+  EXPECT_EQ(some.set_count(), tall);
+  try {
+    extractor->extract({{.spheres = balls.data(), .size = balls.size(), .offsets = offsets}, grids},
+                       options);
+    FAIL() << "4.6e9 half-edges were numbered by 32 bits";
+  } catch (const LimitExceeded& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("set 17: ", 0), 0u) << error.what();
+  }
 }
 
 TEST_F(Parity, ExtractionThatDoesNotFit) {

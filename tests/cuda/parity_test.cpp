@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <string>
@@ -36,6 +38,26 @@ TEST_F(Parity, RandomAndDegenerateSets) {
       }
     }
   }
+}
+
+// Nodes on spheres, and off by 1e-16 to 1e-6 of the radius either way: float32, which both backends
+// try first, decides none of these signs. Balls lie apart from each other, of 1 to 10 spacings.
+TEST_F(Parity, NodesAlmostOnSpheres) {
+  ExtractOptions options = options_of(FieldKind::vdw, 0.25);
+  options.grid.given = GridSpec{{-4, -4, -4}, 0.25, {256, 256, 32}};
+  const int steps[][3] = {{1, 0, 0}, {2, 1, 0}, {3, 4, 0}, {2, 2, 1},
+                          {6, 2, 3}, {1, 4, 8}, {9, 2, 2}, {5, 5, 5}};
+  std::vector<Sphere> balls;
+  for (std::size_t i = 0; i < std::size(steps); ++i) {
+    const auto [x, y, z] = steps[i];
+    const double radius = 0.25 * std::sqrt(static_cast<double>(x * x + y * y + z * z));
+    for (int k = 0; k < 8; ++k) {
+      const double off =
+          k == 0 ? 0 : (k % 2 == 0 ? 1 : -1) * std::pow(10.0, -16 + 10 * (k / 2) / 3);
+      balls.push_back({{7.0 * static_cast<double>(i), 7.0 * k, 0}, radius * (1 + off)});
+    }
+  }
+  expect_parity(SphereSet(balls), options, "nodes almost on spheres");
 }
 
 // 1, 31, 32 and 33 bricks in a row, and a surface through the corners of bricks.
