@@ -78,13 +78,14 @@ std::string mesh_settings(const Options& o) {
   const auto or_none = [](const std::optional<double>& value) {
     return value ? fmt::format("{}", *value) : std::string("-");
   };
-  return fmt::format(
-      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", name_of(s.mesher),
-      or_none(s.edge_length), or_none(s.grading.relative), fmt::join(s.grading.groups, "\n"),
-      name_of(f.kind), name_of(f.preset), or_none(f.isovalue), or_none(f.blobbiness),
-      s.grid.spacing, or_none(s.grid.padding), s.subdivisions, name_of(s.projection),
-      name_of(s.crossings), name_of(o.self_intersections), name_of(o.cgal_check),
-      name_of(o.distances.distances), o.distances.samples_per_area, o.distances.seed);
+  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}",
+                     name_of(s.mesher), or_none(s.edge_length), or_none(s.grading.relative),
+                     fmt::join(s.grading.groups, "\n"), or_none(s.min_angle), name_of(f.kind),
+                     name_of(f.preset), or_none(f.isovalue), or_none(f.blobbiness), s.grid.spacing,
+                     or_none(s.grid.padding), s.subdivisions, name_of(s.projection),
+                     name_of(s.crossings), name_of(o.self_intersections), name_of(o.cgal_check),
+                     name_of(o.distances.distances), o.distances.samples_per_area,
+                     o.distances.seed);
 }
 
 }  // namespace

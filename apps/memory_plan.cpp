@@ -30,6 +30,8 @@ constexpr double kTrianglesPerCell = 3.0;
 constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfBall = 256;
 // Of the mesher of the excluded surface: per Å² those that its many short curves take.
 constexpr double kTrianglesOfCurves = 26;
+// By what factor a bound on the angles adds triangles, at most.
+constexpr double kMoreForAngles = 1.3;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
 
 // The number of triangles before any of them is made, from the area of the surface and the size of
@@ -43,9 +45,10 @@ MeshSize first_level(const MemoryDemand& d) {
       surface.kind == ExactSurface::excluded
           ? kTrianglesOfCurves * d.area
           : std::min(kTrianglesOfArcs * d.area, kTrianglesOfBall * static_cast<double>(d.spheres));
+  const double factor = surface.min_angle ? kMoreForAngles : 1;
   const double most = std::ldexp(1e16, -2 * surface.subdivisions);  // in bytes it fits 64 bits
   const auto triangles =
-      static_cast<std::uint64_t>(std::min(by_area + (exact ? of_arcs : 0), most));
+      static_cast<std::uint64_t>(std::min(factor * (by_area + (exact ? of_arcs : 0)), most));
   return {triangles / 2, triangles};
 }
 

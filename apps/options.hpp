@@ -49,6 +49,7 @@ struct SurfaceOptions {
   std::optional<double> edge_length;
   EdgeGrading grading;
   std::vector<double> edge_lengths;  // Å, by sphere, once the structure is read; empty: all alike
+  std::optional<double> min_angle;   // degrees, of Mesher::exact
   FieldOptions field;
   GridOptions grid;
   int subdivisions = 0;

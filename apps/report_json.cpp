@@ -35,6 +35,7 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   a("relative_edge", grading.relative);
   a("edge_length_of", grading.groups);
   a("edge_lengths", grading.table.empty() ? std::nullopt : std::optional(grading.table));
+  a("min_angle", surface.min_angle);
   a("field", surface.field.kind), a("preset", surface.field.preset);
   a("spacing", of(grid, &GridSpec::spacing));
   a("padding",

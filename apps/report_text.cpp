@@ -96,6 +96,7 @@ std::string edge_text(const SurfaceOptions& surface) {
   if (grading.relative) text += fmt::format(", edges of {} radii", *grading.relative);
   for (const std::string& group : grading.groups) text += fmt::format(", {} Å", group);
   if (!grading.table.empty()) text += ", edge lengths of " + grading.table;
+  if (surface.min_angle) text += fmt::format(", angles from {}°", *surface.min_angle);
   return text.substr(2);
 }
 

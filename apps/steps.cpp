@@ -108,6 +108,15 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
                   s.contacts, s.joins));
 }
 
+// Angles have a bound if they were asked for; then the few triangles that do not keep it are told.
+void note_small_angles(const ExactMeshStats& s, Report& report) {
+  if (s.below_min_angle == 0) return;
+  report.notes.push_back(
+      fmt::format("{} triangles have an angle below --min-angle and are not near a sharp corner: "
+                  "edges would have to be shorter than the limits allow",
+                  s.below_min_angle));
+}
+
 // The crease-exact mesher and the refiner, each on the backend asked for.
 IndexedMesh mesh_crease_exact(const SphereSet& spheres, const SurfaceOptions& surface,
                               const RefineOptions& refine, Report& report) {
@@ -160,6 +169,7 @@ ExactMeshOptions exact_mesh_options(const SurfaceOptions& surface, std::uint64_t
   ExactMeshOptions options;
   options.edge_length = surface.edge_length.value_or(options.edge_length);
   options.edge_lengths = surface.edge_lengths;
+  options.min_angle = surface.min_angle.value_or(0);
   options.memory_limit = memory_limit;
   options.monitor = monitor;
   return options;
@@ -170,6 +180,7 @@ void describe_exact_mesh(const ExactMeshStats& stats, Report& report) {
   report.mesh.emplace();
   report.mesh->arrangement = stats;  // the report's word for what the crease-exact mesher did
   note_other_topology(stats, report);
+  note_small_angles(stats, report);
 }
 
 // Tells why no device is used only if the choice was automatic; who asks for the CPU knows why.

@@ -2,10 +2,11 @@
 //
 //   exact_mesh_table topology [--search N] [--most N] EXACT.csv FILE.xyzr...
 //   exact_mesh_table angles   EXACT.csv FILE.xyzr...
+//   exact_mesh_table min-angle [--min-angle DEG] [--edge-length H] EXACT.csv FILE.xyzr...
 //   exact_mesh_table accuracy [--edge-length H] EXACT.csv FILE.xyzr...
 //
 // CSV on standard output. --search: self-intersections of meshes up to N triangles; --most: no
-// levels beyond N triangles.
+// levels beyond N triangles. The edge length is 0.2 Å unless given.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +25,7 @@
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"
 #include "support/crease_survey.hpp"
+#include "support/sharp_corners.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -60,7 +62,8 @@ SphereSet read_balls(const std::string& file, double probe) {
 
 struct Limits {
   std::uint64_t search = 5'000'000, most = 25'000'000;
-  double edge_length = 0.2;  // Å, of `accuracy`
+  double edge_length = 0.2;  // Å, of the tables of accuracy and of bounded angles
+  double min_angle = 20;     // degrees
 };
 
 IndexedMesh mesh_at(const SphereSet& spheres, double edge_length) {
@@ -119,6 +122,37 @@ void angle_rows(const Row& row, const std::string& file, const Limits&) {
   }
 }
 
+// Meshes without and with a bound on the angles. "Below" counts triangles by their definition in
+// tests/support/sharp_corners.hpp, "told" by what the mesher says of itself.
+void min_angle_rows(const Row& row, const std::string& file, const Limits& limits) {
+  const SphereSet spheres = read_balls(file, row.probe);
+  ExactMeshOptions options;
+  options.edge_length = limits.edge_length;
+  const ExactMesh plain = mesh_union(spheres, options);
+  options.min_angle = limits.min_angle;
+  const ExactMesh bounded = mesh_union(spheres, options);
+  const testing::BoundedAngles before =
+      testing::bounded_angles(spheres, plain.mesh, limits.min_angle);
+  const testing::BoundedAngles after =
+      testing::bounded_angles(spheres, bounded.mesh, limits.min_angle);
+  const testing::AngleCensus census = testing::angle_census(spheres, bounded.mesh);
+  const testing::CreaseSurvey s = testing::survey_creases(spheres, bounded.mesh);
+  const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+  std::printf(
+      "%s,%g,%g,%zu,%zu,%.1f,%llu,%llu,%.2f,%llu,%llu,%llu,%llu,%.2f,%.2f,%llu,%.1f,%d,%ld\n",
+      row.set.c_str(), row.probe, limits.edge_length, plain.mesh.triangle_count(),
+      bounded.mesh.triangle_count(),
+      100.0 * static_cast<double>(bounded.mesh.triangle_count()) /
+              static_cast<double>(plain.mesh.triangle_count()) -
+          100,
+      count(before.below), count(before.below_excused), after.smallest, count(after.below),
+      count(after.below_excused), count(bounded.stats.below_min_angle),
+      count(bounded.stats.below_min_angle_at_corners), census.median, census.smallest,
+      count(census.unexplained), bounded.stats.seconds / plain.stats.seconds, s.sound() ? 1 : 0,
+      static_cast<long>(s.facts.euler_characteristic()) - row.euler_characteristic);
+  std::fflush(stdout);
+}
+
 // The largest relative error of the area of an atom with more than 1 Å² exposed.
 double worst_atom(const SphereSet& spheres, const IndexedMesh& mesh) {
   const ExactUnion exact = exact_union(spheres);
@@ -171,6 +205,11 @@ const std::vector<Table>& tables() {
        "set,probe,edge_length,triangles,median,smallest,percent_below_15,angles_below_5,"
        "unexplained,worst_ratio,sharpest_corner",
        angle_rows},
+      {"min-angle",
+       "set,probe,edge_length,triangles,triangles_bounded,percent_more,below_before,"
+       "excused_before,smallest,below,excused,told,told_excused,median,smallest_of_all,"
+       "below_floor,times_as_long,sound,chi_difference",
+       min_angle_rows},
       {"accuracy",
        "set,probe,edge_length,level,triangles,per_A2,area_percent,volume_percent,area_ratio,"
        "volume_ratio,extrapolated_area,extrapolated_volume,worst_atom_percent",
@@ -189,10 +228,12 @@ int run(int argc, char** argv) {
     if (option == "--search") limits.search = std::stoull(argv[i + 1]);
     if (option == "--most") limits.most = std::stoull(argv[i + 1]);
     if (option == "--edge-length") limits.edge_length = std::stod(argv[i + 1]);
+    if (option == "--min-angle") limits.min_angle = std::stod(argv[i + 1]);
   }
   if (table == tables().end() || argc - i < 2) {
     std::fputs(
-        "usage: exact_mesh_table topology|angles|accuracy [options] EXACT.csv FILE.xyzr...\n",
+        "usage: exact_mesh_table topology|angles|min-angle|accuracy [options] EXACT.csv "
+        "FILE.xyzr...\n",
         stderr);
     return 1;
   }

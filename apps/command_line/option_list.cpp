@@ -174,6 +174,9 @@ std::vector<Option> surface_options(Draft& d) {
        "table of --per-atom with a column edge_length, Å; an empty field leaves the atom to the "
        "other options",
        no_default()},
+      {"--min-angle", kSurfaces, one(s.min_angle, number("DEG", Range::positive, "20")),
+       "triangles have no smaller angle, up to 25, but at sharp corners of an atom's patch",
+       no_default()},
       {"--field", kGrids, one(s.field.kind, named<FieldKind>()), "what is meshed",
        by_default("vdw")},
       {"--preset", kGrids, one(s.field.preset, named<FieldPreset>()),

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "arrangement/exact_mesher.hpp"
 #include "command_line/option_list.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "memory.hpp"
@@ -68,6 +69,11 @@ void settle_mesher(Draft& d) {
   refuse_if(!exact && !of_edges.empty(),
             "{}: is of --mesher exact; marching cubes, which {} asks for, takes --spacing instead",
             of_edges, s.mesher_reason);
+  refuse_if(!exact && s.min_angle,
+            "--min-angle: is of --mesher exact; marching cubes, which {} asks for, bound no angles",
+            s.mesher_reason);
+  refuse_if(s.min_angle > kLargestMinAngle, "--min-angle {}: needs at most {} degrees",
+            s.min_angle.value_or(0), kLargestMinAngle);
   const char* asked = s.kind == ExactSurface::excluded ? "--surface excluded" : "--mesher exact";
   refuse_if(exact && s.field.kind != FieldKind::vdw,
             "--field {}: {} is of the spheres themselves, which is --field vdw",
@@ -126,8 +132,9 @@ void settle_excluded_mesh(Draft& d) {
             "--mesher {}: --surface excluded is meshed along its curves, which is --mesher exact",
             name_of(Mesher::marching_cubes));
   d.mesher = Mesher::exact;
-  const std::string other = first_given(d, {"--relative-edge", "--edge-length-of", "--edge-lengths",
-                                            "--project", "--crossings", "--devices"});
+  const std::string other =
+      first_given(d, {"--relative-edge", "--edge-length-of", "--edge-lengths", "--min-angle",
+                      "--project", "--crossings", "--devices"});
   refuse_if(!other.empty(), "{}: does not go with --surface excluded; leave one of them out",
             other);
 }

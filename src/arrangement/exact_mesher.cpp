@@ -197,7 +197,7 @@ void check_edge_length(double length) {
   throw InvalidInput(fmt::format("the edge length must be positive and finite, not {} Å", length));
 }
 
-void check(const SphereSet& spheres, const ExactMeshOptions& options) {
+void check(const MeshTeam& team, const SphereSet& spheres, const ExactMeshOptions& options) {
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no surface");
   if (options.edge_lengths.empty()) check_edge_length(options.edge_length);
   if (!options.edge_lengths.empty() && options.edge_lengths.size() != spheres.size()) {
@@ -205,6 +205,13 @@ void check(const SphereSet& spheres, const ExactMeshOptions& options) {
                                    options.edge_lengths.size(), spheres.size()));
   }
   for (const double length : options.edge_lengths) check_edge_length(length);
+  if (!(options.min_angle >= 0 && options.min_angle <= kLargestMinAngle)) {
+    throw InvalidInput(fmt::format("the least angle must be from 0 to {} degrees, not {}",
+                                   kLargestMinAngle, options.min_angle));
+  }
+  if (options.min_angle > 0 && team.count() > 1) {
+    throw InvalidInput("several processes do not bound the angles: leave out the least angle");
+  }
 }
 
 // A process that makes the whole mesh.
@@ -294,14 +301,17 @@ ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) 
 ExactMesh mesh_union_with(PatchDevice* device, const SphereSet& spheres,
                           const ExactMeshOptions& options) {
   OneProcess team;
-  const ExactMeshStats stats = mesh_union_by(team, device, spheres, options);
-  return {std::move(team).result(), stats, {}};
+  const bool is_left_to_host = device && options.min_angle > 0;
+  const ExactMeshStats stats =
+      mesh_union_by(team, is_left_to_host ? nullptr : device, spheres, options);
+  return {std::move(team).result(), stats,
+          is_left_to_host ? "the CPU made the mesh: devices do not bound its angles" : ""};
 }
 
 ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSet& spheres,
                              const ExactMeshOptions& options) {
   const Clock::time_point begin = Clock::now();
-  team.together([&] { check(spheres, options); });
+  team.together([&] { check(team, spheres, options); });
   if (team.count() > 1) {
     if (const auto stats = mesh_in_parts(team, spheres, options)) return *stats;
   }

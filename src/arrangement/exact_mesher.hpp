@@ -33,12 +33,20 @@ namespace vdwmesh {
 // `all`: all of them, however few.
 enum class DeviceWork : std::uint8_t { balanced, all };
 
+// The largest bound on angles. What smoothing and flips take is added to it (patch_angles.cpp), and
+// above 30° no algorithm is known to end.
+inline constexpr double kLargestMinAngle = 25;  // degrees
+
 struct ExactMeshOptions {
   double edge_length = 0.35;  // Å; edges are shorter at narrow features
   // Å, by sphere, in place of edge_length if not empty. Along the arc between two spheres the
   // shorter length holds; from there the triangles of the other sphere grow to its own length. Of
   // equal spheres the first one counts.
   std::span<const double> edge_lengths = {};
+  // Degrees, at most kLargestMinAngle: no triangle has a smaller angle, but near sharp corners of
+  // patches (mesher/patch_angles.hpp), and where ExactMeshStats::below_min_angle says so. 0: no
+  // bound. On the CPU of one process alone.
+  double min_angle = 0;
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   DeviceWork device_work = DeviceWork::balanced;
   Monitor* monitor = nullptr;
@@ -65,6 +73,10 @@ struct ExactMeshStats {
   // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU. How
   // many a device gets depends on the number of the host's cores (DeviceWork).
   std::uint64_t device_patches = 0, left_patches = 0;
+  // Triangles with an angle below ExactMeshOptions::min_angle: near sharp corners, and elsewhere,
+  // because the limits on the rounds or on the pieces of an arc, or on how short a piece may be,
+  // have ended the search for better ones.
+  std::uint64_t below_min_angle_at_corners = 0, below_min_angle = 0;
   // Balls whose arcs double precision did not decide: an exact triangulation of the balls around
   // them decided.
   std::uint64_t triangulated_balls = 0;
@@ -82,8 +94,9 @@ struct ExactMesh {
 // Meshes the boundary of the union. The labels of a vertex are the ids of the spheres it lies on,
 // ascending. The result depends on the arguments alone: every call and any number of threads give
 // the same mesh, and a permuted input permutes the labels only.
-// Throws InvalidInput for an empty set, for an edge length that is not finite and positive, and if
-// there are edge lengths by sphere, but not one for each sphere; and Cancelled. Throws
+// Throws InvalidInput for an empty set, for an edge length that is not finite and positive, for a
+// least angle out of range, and if there are edge lengths by sphere, but not one for each sphere;
+// and Cancelled. Throws
 // LimitExceeded before it takes memory beyond the limit, or later if curves of the boundary lie too
 // close to each other for every set of thresholds.
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options = {});

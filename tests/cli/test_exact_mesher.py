@@ -141,6 +141,23 @@ class ExactMesher(ProgramTest):
         self.assertEqual(
             self.triangles_of("--edge-length-of", "A/1-20=0.1", "--edge-length-of", "A=0.2")[0], fine)
 
+    def test_a_bound_on_the_angles(self):
+        plain = self.exact_report("--subdivide", "0", "--distances", "off")
+        self.assertIsNone(plain["parameters"]["min_angle"])
+        self.assertEqual(plain["mesh"]["arrangement"]["below_min_angle_at_corners"], 0)
+        bounded, parameters = self.triangles_of("--min-angle", "20")
+        self.assertEqual(parameters["min_angle"], 20)
+        self.assertLess(plain["mesh"]["triangles"], bounded)
+        self.assertLess(bounded, 1.4 * plain["mesh"]["triangles"])
+        document = self.exact_report("--distances", "off", "--min-angle", "20")
+        self.assertEqual(document["mesh"]["arrangement"]["below_min_angle"], 0)
+        self.assertFalse([note for note in document["notes"] if "--min-angle" in note])
+        ubiquitin = ("report", "--sample", "ubiquitin")
+        self.assert_refused(1, *ubiquitin, "--min-angle", "26", says=("--min-angle 26", "at most 25"))
+        self.assert_refused(1, *ubiquitin, "--min-angle", "0", says=("--min-angle",))
+        self.assert_refused(1, *ubiquitin, "--min-angle", "20", "--spacing", "1", says=("--mesher exact", "--spacing"))
+        self.assert_refused(1, *ubiquitin, "--min-angle", "20", "--surface", "excluded", says=("--surface excluded",))
+
     def test_edge_lengths_as_shares_of_the_radius(self):
         alone, parameters = self.triangles_of("--relative-edge", "0.25")
         self.assertIsNone(parameters["edge_length"])

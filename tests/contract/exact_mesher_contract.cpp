@@ -79,7 +79,10 @@ ExactMesh mesh_with(const SphereSet& spheres, ExactMeshOptions options) {
   if (!current_mesher) return mesh_union(spheres, options);
   options.device_work = DeviceWork::all;
   ExactMesh made = current_mesher->mesh(spheres, options);
-  EXPECT_EQ(made.fallback, "");
+  // Devices leave meshes with a bound on their angles to the host.
+  if (options.min_angle == 0) {
+    EXPECT_EQ(made.fallback, "");
+  }
   return made;
 }
 

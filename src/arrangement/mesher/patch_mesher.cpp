@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "arrangement/mesher/boundary_insertion.hpp"
@@ -21,6 +22,24 @@ void sort_requests(PatchVector<PieceSplit>& splits) {
   splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());
 }
 
+// The steps after the insertion of the boundary.
+static inline void triangulate(const PatchBoundary& boundary, const PatchOptions& options,
+                               PatchScratch& scratch, PatchMesh& mesh) {
+  triangulator::PatchTriangulator<GrowingMemory, SpherePoints> triangulator(
+      boundary, options.edge_length, scratch.lattice, scratch, options.monitor,
+      options.widest_view);
+  std::optional<AngleBound> bound;
+  if (options.min_angle > 0 && options.stage == PatchStage::triangles) {
+    bound.emplace(boundary, options.min_angle, options.edge_length);
+    if (options.demand == Demand::quality) triangulator.bound_angles(*bound);
+  }
+  triangulator.run(options.demand, options.stage);
+  mesh.interior = scratch.interior;
+  mesh.triangles = scratch.triangles;
+  mesh.splits = scratch.splits;
+  if (bound && mesh.splits.empty()) mesh.below = bound->count(scratch.patch);
+}
+
 VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options,
                                           PatchScratch& scratch) {
   const PatchBoundary& boundary = progress.boundary;
@@ -34,13 +53,7 @@ VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOp
     mesh.splits.push_back({boundary.pieces[p].source, 1});
   }
   if (mesh.splits.empty()) {
-    triangulator::PatchTriangulator<GrowingMemory, SpherePoints>(
-        boundary, options.edge_length, scratch.lattice, scratch, options.monitor,
-        options.widest_view)
-        .run(options.demand, options.stage);
-    mesh.interior = scratch.interior;
-    mesh.triangles = scratch.triangles;
-    mesh.splits = scratch.splits;
+    triangulate(boundary, options, scratch, mesh);
   }
   if (scratch.plane_is_swapped) scratch.plane.swap(progress.plane);
   sort_requests(mesh.splits);

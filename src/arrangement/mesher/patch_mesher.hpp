@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "arrangement/mesher/patch_angles.hpp"
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_work.hpp"
@@ -28,6 +29,9 @@ struct PatchOptions {
   // The cosine of the widest angle under which an inserted point may see a piece, a chord of the
   // boundary. A point that sees it under a wider angle would make a flat triangle with it.
   double widest_view = kWidestView;
+  // The least angle that triangles shall have, rad; 0: no bound. With Demand::quality pieces are
+  // split for it.
+  double min_angle = 0;
 };
 
 // The outcome: either triangles, or requests to split pieces, after which the patch must be meshed
@@ -38,6 +42,7 @@ struct PatchMesh {
   PatchVector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   PatchVector<PieceSplit> splits;                       // requests, each piece once
   std::uint64_t exact_tests = 0;  // tests that double precision did not decide
+  SmallAngles below = {};         // triangles below PatchOptions::min_angle
   // Of the points of the boundary. mesh_patch() leaves it empty; UnionMesher fills it.
   PatchVector<PointSource> sources = {};
 };

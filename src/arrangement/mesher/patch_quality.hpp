@@ -49,7 +49,7 @@ VDWMESH_HD inline Vec3d circumcenter(const std::array<Vec3d, 3>& p) {
 // With A the area, a, b, c the lengths of the edges and R the circumradius: R = a b c / (4 A). The
 // least angle lies opposite to the shortest edge s, and its sine is s / (2 R).
 VDWMESH_HD inline bool is_bad(const std::array<Vec3d, 3>& p, const std::array<bool, 3>& constrained,
-                              double edge_length) {
+                              double edge_length, double bad_sine = kBadAngleSine) {
   const std::array<double, 3> edge{squared_norm(p[2] - p[1]), squared_norm(p[0] - p[2]),
                                    squared_norm(p[1] - p[0])};
   const double squared_area = squared_norm(cross(p[1] - p[0], p[2] - p[0]));  // (2A)²
@@ -62,7 +62,7 @@ VDWMESH_HD inline bool is_bad(const std::array<Vec3d, 3>& p, const std::array<bo
   const auto s =
       static_cast<std::size_t>(std::min_element(edge.begin(), edge.end()) - edge.begin());
   const bool sharp_corner = constrained[(s + 2) % 3] && constrained[(s + 1) % 3] && !constrained[s];
-  return edge[s] < 4 * kBadAngleSine * kBadAngleSine * squared_radius && !sharp_corner;
+  return edge[s] < 4 * bad_sine * bad_sine * squared_radius && !sharp_corner;
 }
 
 // How often the piece from a to b must be halved because the patch is narrow beside it; p is the

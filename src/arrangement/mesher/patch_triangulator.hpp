@@ -22,6 +22,7 @@
 #include "arrangement/directions.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/inside_marks.hpp"
+#include "arrangement/mesher/patch_angles.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_work.hpp"
 #include "arrangement/mesher/piece_lens.hpp"
@@ -72,6 +73,12 @@ class PatchTriangulator {
         points_(work.patch.points),
         splits_(work.splits) {}
 
+  // Pieces may be split so that angles keep a bound. Not for the device.
+  void bound_angles(const AngleBound& angles) {
+    angles_ = &angles;
+    bad_sine_ = std::max(kBadAngleSine, angles.sine_before_smoothing());
+  }
+
   // Fills work.splits, or else, after the stage of triangles, the interior points and triangles.
   VDWMESH_HD void run(Demand demand, PatchStage stage) {
     splits_.clear();
@@ -83,9 +90,11 @@ class PatchTriangulator {
     insert_lattice();
     refine();
     divide_edges_within_circles();
+    ask_for_angles();
     if (!splits_.empty() || plane_.has_failed()) return;
     collect_triangles();
     smooth<Memory>(boundary_, circles_, kSmoothingPasses, work_.smoothing, patch_);
+    ask_for_smoothed_angles();
     work_.pieces.clear();
     find_defects<Memory>(boundary_, patch_, work_.pieces);
     for (const std::uint32_t piece : work_.pieces) want_split(piece);
@@ -96,6 +105,19 @@ class PatchTriangulator {
   // Asks for a piece to be split into 2^halvings parts.
   VDWMESH_HD void want_split(std::uint32_t piece, std::uint32_t halvings = 1) {
     splits_.push_back({boundary_.pieces[piece].source, halvings});
+  }
+
+  // If angles are bounded, ask for splits of pieces in the way of larger ones: of the triangles in
+  // the plane, and after the smoothing of those of patch_.
+  VDWMESH_HD void ask_for_angles() {
+    if constexpr (!Memory::kIsBounded) {
+      if (angles_) angles_->find_in_plane(plane_, points_, projection_, splits_);
+    }
+  }
+  VDWMESH_HD void ask_for_smoothed_angles() {
+    if constexpr (!Memory::kIsBounded) {
+      if (angles_) angles_->find_in_patch(patch_, splits_);
+    }
   }
 
   // Lists every piece in work_.pieces, as 4 t + k for the triangle t on its left, whose edge k it
@@ -281,7 +303,8 @@ class PatchTriangulator {
     const auto& pieces = plane_.triangle(t).pieces;
     const std::array<bool, 3> constrained{pieces[0] != kNoPiece, pieces[1] != kNoPiece,
                                           pieces[2] != kNoPiece};
-    if (is_bad(corners(t), constrained, edge_length_)) {
+    if (is_bad(corners(t), constrained, edge_length_,
+               Memory::kIsBounded ? kBadAngleSine : bad_sine_)) {
       work_.queue.push_back(candidate(t));
     }
   }
@@ -436,6 +459,8 @@ class PatchTriangulator {
   double edge_length_;  // as a fraction of the radius, at most kLongestEdge
   double widest_view_;  // a cosine
   Monitor* monitor_;
+  const AngleBound* angles_ = nullptr;
+  double bad_sine_ = kBadAngleSine;
   Stereographic projection_;
   Lattice& lattice_;
   PatchWork<Memory>& work_;

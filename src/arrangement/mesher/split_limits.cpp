@@ -66,6 +66,16 @@ bool SplitLimits::has_grown(std::uint64_t now, std::uint64_t at_first) const {
   return now > allowed_growth_ + 64 * at_first;
 }
 
+// For angles, an arc gets at most so many pieces, besides 16 for each piece it had at first, and
+// what one more round adds. Both are below a quarter of what has_grown() allows.
+bool SplitLimits::leave_room(std::span<const PieceSplit> splits) const {
+  constexpr std::uint64_t kMostForAngles = 1024;
+  return !first_of_all(splits.size(), [&](std::size_t i) {
+    const std::uint32_t arc = splits[i].piece.arc;
+    return sampling_.pieces(arc) > kMostForAngles + 16 * pieces_of_arc_at_first_[arc];
+  });
+}
+
 // Curves that nearly coincide ask for shorter and shorter pieces. If the arcs have too many
 // together, the message names the two spheres of that arc, among those just split, which has most.
 void SplitLimits::check_growth(std::span<const PieceSplit> splits, const Growth& growth) const {

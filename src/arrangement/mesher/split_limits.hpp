@@ -35,6 +35,9 @@ class SplitLimits {
     std::uint64_t memory_limit;
   };
   void check_growth(std::span<const PieceSplit> splits, const Growth& growth) const;
+  // Whether no arc of the pieces just split has so many pieces that splits for the angles of
+  // triangles must end, long before check_growth() gives up.
+  bool leave_room(std::span<const PieceSplit> splits) const;
 
  private:
   bool has_grown(std::uint64_t now, std::uint64_t at_first) const;

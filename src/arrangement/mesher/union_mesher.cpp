@@ -48,10 +48,10 @@
 namespace vdwmesh {
 namespace {
 
-// Both count the rounds of one series. In the first kQualityRounds rounds, pieces are split for the
-// quality of triangles as well, afterwards only for their validity. If there are still requests in
-// round kMostRounds, the mesher gives up.
-constexpr int kQualityRounds = 12;
+// All count the rounds of one series. In the first kQualityRounds rounds, or kAngleRounds if the
+// angles have a bound, pieces are split for the quality of triangles as well, afterwards only for
+// their validity. If there are still requests in round kMostRounds, the mesher gives up.
+constexpr int kQualityRounds = 12, kAngleRounds = 30;
 constexpr int kMostRounds = 60;
 
 // One run of the mesher; run() lists the steps.
@@ -95,6 +95,10 @@ class UnionMesher {
     });
     pieces_at_first_ = all_pieces();
     mesh_patches();
+    for (const PatchMesh& patch : patches_) {
+      stats_.below_min_angle_at_corners += patch.below.at_corners;
+      stats_.below_min_angle += patch.below.elsewhere;
+    }
     UnnumberedPiece piece;
     team_.together([&] {
       sampling_.number_vertices();
@@ -162,7 +166,7 @@ class UnionMesher {
   // requests. All processes split the same pieces.
   void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
     for (int round = 1;; ++round) {
-      const Demand demand = round <= kQualityRounds ? Demand::quality : Demand::validity;
+      const Demand demand = has_quality(round) ? Demand::quality : Demand::validity;
       std::vector<PieceSplit> splits;
       std::uint32_t coincident = kNoIndex;
       team_.together([&] {
@@ -200,7 +204,13 @@ class UnionMesher {
       const SplitLimits::Growth growth{pieces_at_first_, all_pieces(), team_.least(fits) != 0,
                                        options_.memory_limit};
       agree([&] { limits_.check_growth(last_splits_, growth); });
+      if (has_angles()) leaves_room_ = leaves_room_ && limits_.leave_room(last_splits_);
     }
+  }
+
+  bool has_angles() const { return options_.min_angle > 0; }
+  bool has_quality(int round) const {
+    return round <= (has_angles() ? kAngleRounds : kQualityRounds) && leaves_room_;
   }
 
   // Does a check that may throw CurvesTooClose. If all processes have arranged all balls, it comes
@@ -257,7 +267,10 @@ class UnionMesher {
     PatchProgress& progress = up_to_date(ball);
     try {
       PatchMesh& patch = patches_[ball] =
-          mesh_patch(progress, {edge_length, demand, stage, options_.monitor}, scratch_.local());
+          mesh_patch(progress,
+                     {edge_length, demand, stage, options_.monitor, kWidestView,
+                      options_.min_angle * std::numbers::pi / 180},
+                     scratch_.local());
       if (!patch.triangles.empty()) finish(ball, patch);
     } catch (const CoincidentPoints&) {
       has_coincident_points_[ball] = 1;
@@ -419,9 +432,8 @@ class UnionMesher {
     const std::uint64_t vertices = first_vertex.back() + piece.elsewhere.size();
     if (vertices > kMaxVertices) {
       throw LimitExceeded(
-          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge "
-                      "length",
-                      vertices, kMaxVertices));
+          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge length", vertices,
+                      kMaxVertices));
     }
     make_room(mesh, {first_vertex.back(), first_triangle.back()}, kPatchArrays);
     const auto place_arcs = [&] {
@@ -469,6 +481,7 @@ class UnionMesher {
   std::uint64_t pieces_at_first_ = 0;  // of all processes, before any was split
   tbb::enumerable_thread_specific<PatchScratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one
+  bool leaves_room_ = true;              // SplitLimits::leave_room() so far
   MeshShare share_;                      // of this process
   std::optional<MeshBorders> borders_;   // if each process has arranged its part
   // By ball; empty for balls that have not begun or have finished.

@@ -1,0 +1,176 @@
+// AngleBound: finds the sharp corners of a patch from the pieces that meet in each point of its
+// boundary, and for each triangle below the bound the piece that its circumcentre sees under the
+// widest angle, or that parts the two.
+#include "arrangement/mesher/patch_angles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "arrangement/mesher/patch_quality.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMargin = 3;  // degrees; see AngleBound::sine_before_smoothing()
+
+// Squared sine of the least angle. It lies between the two longest edges, and twice the area is the
+// product of their lengths and its sine.
+double least_squared_sine(const std::array<Vec3d, 3>& p) {
+  std::array<double, 3> edges{squared_norm(p[2] - p[1]), squared_norm(p[0] - p[2]),
+                              squared_norm(p[1] - p[0])};
+  std::ranges::sort(edges);
+  return squared_norm(cross(p[1] - p[0], p[2] - p[0])) / (edges[1] * edges[2]);
+}
+
+// The angle by which direction a must be turned counter-clockwise to come to b, as seen from
+// outside at the point `apex` of the unit sphere; from 0 to a whole turn.
+double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
+  const double angle = std::atan2(dot(apex, cross(a, b)), dot(a, b) - dot(apex, a) * dot(apex, b));
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+}
+
+}  // namespace
+
+AngleBound::AngleBound(const PatchBoundaryView& boundary, double angle, double edge_length)
+    : boundary_(boundary),
+      sine_(std::sin(angle)),
+      sine_before_smoothing_(std::sin(angle + kDegree * kMargin)),
+      shortest_(kShortestForAngles * edge_length) {
+  find_sharp_corners();
+}
+
+double AngleBound::chord(std::uint32_t piece) const {
+  const BoundaryPiece& p = boundary_.pieces[piece];
+  return norm(boundary_.points[p.to] - boundary_.points[p.from]);
+}
+
+void AngleBound::take(std::uint32_t piece, std::vector<PieceSplit>& found) const {
+  if (piece != kNoPiece && chord(piece) > shortest_)
+    found.push_back({boundary_.pieces[piece].source, 1});
+}
+
+// The patch is on the left of its pieces. So at a point it is between the piece that leaves it and,
+// counter-clockwise, the piece that comes to it. Where corners were joined, several pieces come and
+// go; of those that come, the next one counter-clockwise belongs to the one that leaves. An arc
+// that bulges into the patch takes its bulge from the angle between the chords. On both sides of a
+// point inside of an arc the angle is half a turn.
+void AngleBound::find_sharp_corners() {
+  constexpr double kLargest = kSharpCorner * kDegree;
+  const auto count = static_cast<std::uint32_t>(boundary_.pieces.size());
+  std::vector<std::uint32_t> coming(count);
+  for (std::uint32_t p = 0; p < count; ++p) coming[p] = p;
+  const auto end_of = [&](std::uint32_t p) { return boundary_.pieces[p].to; };
+  std::ranges::stable_sort(coming, {}, end_of);
+  for (std::uint32_t p = 0; p < count; ++p) {
+    const BoundaryPiece& leaving = boundary_.pieces[p];
+    const Vec3d& apex = boundary_.points[leaving.from];
+    double least = 2 * std::numbers::pi;
+    std::uint32_t next = p;
+    for (const std::uint32_t q : std::ranges::equal_range(coming, leaving.from, {}, end_of)) {
+      const BoundaryPiece& other = boundary_.pieces[q];
+      const double angle =
+          turn(apex, boundary_.points[leaving.to] - apex, boundary_.points[other.from] - apex) -
+          leaving.bulge - other.bulge;
+      if (angle >= least) continue;
+      least = angle;
+      next = q;
+    }
+    if (!(least < kLargest)) continue;
+    // A little more, since rounding must not excuse one of two triangles that are mirror images.
+    const double reach = (1 + 1e-6) * kShells * std::max(chord(p), chord(next));
+    sharp_.push_back({apex, reach * reach});
+  }
+}
+
+AngleBound::Verdict AngleBound::judge(const std::array<Vec3d, 3>& p) const {
+  if (least_squared_sine(p) >= sine_ * sine_) return Verdict::fine;
+  const bool is_excused = std::ranges::any_of(sharp_, [&](const Corner& corner) {
+    return std::ranges::all_of(p, [&](const Vec3d& vertex) {
+      return squared_norm(vertex - corner.position) <= corner.squared_reach;
+    });
+  });
+  return is_excused ? Verdict::excused : Verdict::small;
+}
+
+void AngleBound::find_in_plane(PlaneTriangulation& plane, std::span<const Vec3d> points,
+                               const Stereographic& projection,
+                               std::vector<PieceSplit>& found) const {
+  const auto count = static_cast<std::uint32_t>(plane.triangles().size());
+  for (std::uint32_t t = 0; t < count; ++t) {
+    if (!plane.is_inside(t)) continue;
+    const auto& v = plane.triangle(t).vertices;
+    if (judge({points[v[0]], points[v[1]], points[v[2]]}) != Verdict::small) continue;
+    take(piece_in_the_way(plane, points, projection, t), found);
+  }
+}
+
+// Of the pieces around the triangles that the circumcentre would replace, one with the circumcentre
+// on its other side comes first; of several, the one seen under the widest angle. If there is none,
+// the widest one counts if it is wide enough to keep the circumcentre out.
+std::uint32_t AngleBound::piece_in_the_way(PlaneTriangulation& plane, std::span<const Vec3d> points,
+                                           const Stereographic& projection, std::uint32_t t) const {
+  const auto& v = plane.triangle(t).vertices;
+  const Vec3d u = circumcenter({points[v[0]], points[v[1]], points[v[2]]});
+  const PlanePoint p = projection.project(u);
+  // Near the pole, far from the patch, it has no place in the plane.
+  if (plane.locate(p, t).place == PlaneTypes::Place::outside) {
+    return longest_piece_at(plane.triangle(t));
+  }
+  std::uint32_t chosen = kNoPiece;
+  bool is_beyond = false;
+  double widest = kWidestView;
+  for (const auto& [at, k] : plane.pieces_around(p, t)) {
+    const LinkedTriangle& w = plane.triangle(at);
+    const Vec3d &a = points[w.vertices[corner_after(k)]], &b = points[w.vertices[corner_before(k)]];
+    // The triangle is on the left of its edge from a to b.
+    const bool beyond = dot(cross(a, b), u) < 0;
+    const Vec3d to_a = a - u, to_b = b - u;
+    const double cosine = dot(to_a, to_b) / std::sqrt(squared_norm(to_a) * squared_norm(to_b));
+    if (beyond == is_beyond ? !(cosine < widest) : !beyond) continue;
+    chosen = w.pieces[k];
+    is_beyond = beyond;
+    widest = cosine;
+  }
+  return chosen;
+}
+
+void AngleBound::find_in_patch(const PatchTriangles& patch, std::vector<PieceSplit>& found) const {
+  for (const LinkedTriangle& t : patch.triangles) {
+    const auto& v = t.vertices;
+    if (judge({patch.points[v[0]], patch.points[v[1]], patch.points[v[2]]}) != Verdict::small) {
+      continue;
+    }
+    take(longest_piece_at(t), found);
+  }
+}
+
+std::uint32_t AngleBound::longest_piece_at(const LinkedTriangle& t) const {
+  std::uint32_t longest = kNoPiece;
+  const auto take = [&](std::uint32_t piece) {
+    if (longest == kNoPiece || chord(piece) > chord(longest)) longest = piece;
+  };
+  for (const std::uint32_t piece : t.pieces) {
+    if (piece != kNoPiece) take(piece);
+  }
+  if (longest != kNoPiece) return longest;
+  const auto is_vertex = [&](std::uint32_t i) { return std::ranges::count(t.vertices, i) > 0; };
+  for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
+    if (is_vertex(boundary_.pieces[p].from) || is_vertex(boundary_.pieces[p].to)) take(p);
+  }
+  return longest;
+}
+
+SmallAngles AngleBound::count(const PatchTriangles& patch) const {
+  SmallAngles small;
+  for (const LinkedTriangle& t : patch.triangles) {
+    const auto& v = t.vertices;
+    const Verdict verdict = judge({patch.points[v[0]], patch.points[v[1]], patch.points[v[2]]});
+    small.at_corners += verdict == Verdict::excused;
+    small.elsewhere += verdict == Verdict::small;
+  }
+  return small;
+}
+
+}  // namespace vdwmesh

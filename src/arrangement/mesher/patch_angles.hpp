@@ -1,0 +1,88 @@
+// The bound on the angles of a patch's triangles (ExactMeshOptions::min_angle): which triangles are
+// below it, and which pieces of the boundary are in the way of better ones. On the host alone.
+//
+// Circumcentres of bad triangles are inserted in any case (patch_triangulator.hpp), but where they
+// would be too near to a piece; there triangles stay bad. With a bound, such a piece is split, as
+// in Chew's algorithm ("Guaranteed-quality mesh generation for curved surfaces", 1993).
+//
+// Where two arcs enclose less than 60° this alone would not end: the halves of a piece of one arc
+// are in the way of triangles at the other arc, and so on towards the corner. Ruppert ("A Delaunay
+// refinement algorithm for quality 2-dimensional mesh generation", 1995) protects such corners by
+// concentric shells. Here the first shell is as wide as the two pieces at the corner, whose lengths
+// differ by at most a factor of two (kCornerRatio), and the second one as wide again. Triangles in
+// the two are excused. The first one always has small angles if the arcs enclose one, and in the
+// second one the pieces may become shorter with the distance from the corner, as far as the patch
+// is narrow there.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arrangement/mesher/patch_boundary.hpp"
+#include "arrangement/mesher/patch_triangles.hpp"
+#include "arrangement/mesher/plane_triangulation.hpp"
+#include "arrangement/mesher/stereographic.hpp"
+
+namespace vdwmesh {
+
+// A corner of a patch is sharp if the angle between the two arcs there is less than this. From 60°
+// on, two arcs are not in the way of each other's triangles for ever (Ruppert).
+inline constexpr double kSharpCorner = 60;  // degrees
+// The triangles of the patch are excused whose vertices are at most so far from a sharp corner, as
+// a multiple of the longer one of the patch's two pieces there.
+inline constexpr double kShells = 2;
+
+// Pieces shorter than this fraction of the edge length are not split for angles. Along a strip of
+// the patch, as many are needed as it is longer than wide.
+inline constexpr double kShortestForAngles = 1e-5;
+
+// How many triangles are below the bound: those excused, and all others.
+struct SmallAngles {
+  std::uint64_t at_corners = 0, elsewhere = 0;
+};
+
+class AngleBound {
+ public:
+  // `angle`: the least one that triangles shall have, rad. Pieces up to the length `shortest`, on
+  // the unit sphere, are not asked to be split. Keeps a view of the boundary.
+  AngleBound(const PatchBoundaryView& boundary, double angle, double shortest);
+
+  // The sine of the angle below which circumcentres are inserted. It is somewhat larger than the
+  // bound, because smoothing and flips enlarge the least angles only as a rule.
+  double sine_before_smoothing() const { return sine_before_smoothing_; }
+
+  // Appends a request to split a piece for each triangle inside the patch that is below the bound
+  // and not excused, if one is in the way of its circumcentre. `points` are those of the plane's
+  // vertices on the unit sphere.
+  void find_in_plane(PlaneTriangulation& plane, std::span<const Vec3d> points,
+                     const Stereographic& projection, std::vector<PieceSplit>& found) const;
+  // The same for triangles after smoothing: the longest piece that the triangle has, or else that
+  // ends in one of its vertices.
+  void find_in_patch(const PatchTriangles& patch, std::vector<PieceSplit>& found) const;
+
+  SmallAngles count(const PatchTriangles& patch) const;
+
+ private:
+  struct Corner {
+    Vec3d position;
+    double squared_reach;
+  };
+  enum class Verdict : std::uint8_t { fine, excused, small };
+
+  void find_sharp_corners();
+  Verdict judge(const std::array<Vec3d, 3>& p) const;
+  double chord(std::uint32_t piece) const;
+  void take(std::uint32_t piece, std::vector<PieceSplit>& found) const;
+  std::uint32_t piece_in_the_way(PlaneTriangulation& plane, std::span<const Vec3d> points,
+                                 const Stereographic& projection, std::uint32_t t) const;
+  // Of the triangle's own pieces, or else of those that end in one of its vertices.
+  std::uint32_t longest_piece_at(const LinkedTriangle& t) const;
+
+  PatchBoundaryView boundary_;
+  double sine_, sine_before_smoothing_, shortest_;
+  std::vector<Corner> sharp_;
+};
+
+}  // namespace vdwmesh
