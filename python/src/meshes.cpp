@@ -32,6 +32,7 @@ struct Request {
   FieldKind field = FieldKind::vdw;
   double spacing = 0, edge_length = 0;  // Å
   std::vector<double> edge_lengths;     // by atom, in place of edge_length; empty: all alike
+  double min_angle = 0;                 // degrees; 0: no bound
   int subdivisions = 0;
   Crossings crossings = Crossings::undo;
   bool normals = true;
@@ -75,6 +76,7 @@ Request request_of(const py::kwargs& given) {
   request.spacing = given["spacing"].cast<double>();
   request.edge_length = given["edge_length"].cast<double>();
   request.edge_lengths = given["edge_lengths"].cast<std::vector<double>>();
+  request.min_angle = given["min_angle"].cast<double>();
   request.subdivisions = given["subdivide"].cast<int>();
   request.crossings = crossings_of(given["crossings"].cast<std::string>());
   request.normals = given["normals"].cast<bool>();
@@ -91,6 +93,13 @@ Request request_of(const py::kwargs& given) {
   }
   if (request.excluded && !request.edge_lengths.empty()) {
     throw InvalidInput("edge_length: the excluded surface has one for all atoms");
+  }
+  if (request.min_angle > kLargestMinAngle) {
+    throw InvalidInput(
+        fmt::format("min_angle: {} is above {}", request.min_angle, kLargestMinAngle));
+  }
+  if (request.min_angle > 0 && (request.excluded || !request.exact)) {
+    throw InvalidInput("min_angle: is of the exact mesher and the surface \"vdw\"");
   }
   if (request.excluded && request.backend == Backend::cuda) {
     throw BackendUnavailable("device: the excluded surface is meshed on the CPU");
@@ -115,6 +124,7 @@ IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monit
   const RefineOptions refine = refinement(request, monitor);
   const ExactMeshOptions options{.edge_length = request.edge_length,
                                  .edge_lengths = request.edge_lengths,
+                                 .min_angle = request.min_angle,
                                  .memory_limit = refine.memory_limit,
                                  .monitor = &monitor};
   IndexedMesh mesh = std::move(make_exact_mesher(request.backend)->mesh(spheres, options).mesh);

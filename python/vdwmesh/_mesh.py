@@ -191,6 +191,7 @@ def mesh(
     field: str = "vdw",
     spacing: float = 0.5,
     edge_length: float | ArrayLike = 0.35,
+    min_angle: float | None = None,
     subdivide: int = 0,
     crossings: str = "undo",
     normals: bool = True,
@@ -221,6 +222,9 @@ def mesh(
     edge_length : float or array_like, shape (N,)
         Of the exact mesher, Å, for all atoms or by atom; edges are shorter at narrow features, and where
         atoms meet the shorter length holds. ``0.2 * radii`` gives every atom as many triangles.
+    min_angle : float, optional
+        Of the exact mesher, degrees, at most 25: no triangle has a smaller angle, but near corners where
+        two creases of an atom enclose less than 60°. It holds before a subdivision.
     subdivide : int
         Levels of midpoint subdivision, each with projection to the surface.
     crossings : {"undo", "allow"}
@@ -263,6 +267,7 @@ def mesh(
         "field": field,
         "spacing": _positive("spacing", spacing),
         **_edge_lengths(edge_length, len(sizes)),
+        "min_angle": 0.0 if min_angle is None else _positive("min_angle", min_angle),
         "subdivide": int(subdivide),
         "crossings": crossings,
         "normals": bool(normals),
@@ -332,6 +337,7 @@ def mesh_many(
         "spacing": _positive("spacing", spacing),
         "edge_length": 0.0,
         "edge_lengths": [],
+        "min_angle": 0.0,
         "subdivide": 0,
         "crossings": "undo",
         "normals": bool(normals),

@@ -123,6 +123,17 @@ class MeshTest(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "edge_length"):
                 vdwmesh.mesh(self.molecule, edge_length=wrong)
 
+    def test_a_bound_on_the_angles(self):
+        plain, bounded = (vdwmesh.mesh(self.molecule, min_angle=bound) for bound in (None, 20))
+        self.assertTrue(bounded.is_closed)
+        self.assertEqual(bounded.euler_characteristic, plain.euler_characteristic)
+        self.assertLess(len(plain.faces), len(bounded.faces))
+        self.assertLess(len(bounded.faces), 1.4 * len(plain.faces))
+        for wrong in ({"min_angle": 26}, {"min_angle": 0}, {"min_angle": math.nan}, {"min_angle": 20, "surface": "excluded"},
+                      {"min_angle": 20, "mesher": "marching-cubes"}):  # fmt: skip
+            with self.subTest(**wrong), self.assertRaisesRegex(ValueError, "min_angle"):
+                vdwmesh.mesh(self.molecule, **wrong)
+
     def test_arrays_are_views_of_one_mesh(self):
         mesh = vdwmesh.mesh(self.molecule)
         again = [np.asarray(array()) for array in (mesh._handle.vertices, mesh._handle.faces,
