@@ -68,7 +68,7 @@ std::vector<SampledWork> sampled_work(const SphereSet& spheres, const SpatialFra
   for_each_index(spheres.size(), [&](std::size_t i) {
     const Sphere& s = spheres[i];
     const Vec3d around{s.radius, s.radius, s.radius};
-    visit_near_box(view, s.center - around, s.center + around, [&](std::uint32_t place) {
+    visit_near_box(view, s.center - around, s.center + around, [&](ListPlace place) {
       const std::size_t own = sphere_of(view.id[place]);
       if (own == i) return false;
       // Of equal spheres the first one has the area.
@@ -79,15 +79,18 @@ std::vector<SampledWork> sampled_work(const SphereSet& spheres, const SpatialFra
         const Vec3d d = ball.center + ball.radius * directions[k] - s.center;
         mask |= static_cast<std::uint32_t>(dot(d, d) < square) << k;
       }
-      if (mask != 0) std::atomic_ref(covered[place]).fetch_or(mask, std::memory_order_relaxed);
+      if (mask != 0) {
+        std::atomic_ref(covered[to_index(place)]).fetch_or(mask, std::memory_order_relaxed);
+      }
       return false;
     });
   });
   const double weight = static_cast<double>(spheres.size()) / static_cast<double>(count);
   std::vector<SampledWork> work;
-  for (std::size_t place = 0; place < count; ++place) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto place = static_cast<ListPlace>(i);
     const Sphere& s = view.spheres[place];
-    const double exposed = (kSamplePoints - std::popcount(covered[place])) / double{kSamplePoints};
+    const double exposed = (kSamplePoints - std::popcount(covered[i])) / double{kSamplePoints};
     const double length = options.edge_lengths.empty()
                               ? options.edge_length
                               : options.edge_lengths[sphere_of(view.id[place])];
