@@ -107,4 +107,10 @@ void check_memory(const MeshShare& share, const PatchExtents& patches, std::uint
       options.edge_length, count, need, options.memory_limit, options.edge_length * longer));
 }
 
+void check_vertices(std::uint64_t vertices) {
+  if (vertices <= kMaxVertices) return;
+  throw LimitExceeded(fmt::format(
+      "{} vertices; a mesh holds at most {}: choose a larger edge length", vertices, kMaxVertices));
+}
+
 }  // namespace vdwmesh

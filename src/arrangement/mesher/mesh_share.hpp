@@ -42,4 +42,7 @@ MeshShare own_share(const MeshTeam& team, const BoundaryArcs& boundary,
 void check_memory(const MeshShare& share, const PatchExtents& patches, std::uint64_t pieces,
                   const ExactMeshOptions& options);
 
+// Throws LimitExceeded if a mesh cannot hold so many vertices.
+void check_vertices(std::uint64_t vertices);
+
 }  // namespace vdwmesh

@@ -48,6 +48,13 @@ void SplitLimits::refuse(const ArcPiece& piece) const {
       ids_[balls[0]], ids_[balls[1]]));
 }
 
+void SplitLimits::refuse_coincident(std::uint32_t ball) const {
+  throw CurvesTooClose(fmt::format(
+      "two curves on sphere {} are closer than double precision can tell: leave out one of two "
+      "spheres that all but coincide, or use marching cubes",
+      ids_[ball]));
+}
+
 // The split of a straight piece would not move any point off the chord, so whatever crosses the
 // piece or folds over it would do so with the halves as well. The sagitta of an arc of radius r and
 // angle a is r a² / 8 for small a.

@@ -25,6 +25,8 @@ class SplitLimits {
 
   // All three throw CurvesTooClose, with the two spheres that meet in a piece.
   [[noreturn]] void refuse(const ArcPiece& piece) const;
+  // Of two curves on the sphere of this ball that have a point in common where they should not.
+  [[noreturn]] void refuse_coincident(std::uint32_t ball) const;
   // Gives up if a piece to be split is straight.
   void check_straightness(std::span<const PieceSplit> splits) const;
   // Gives up if pieces just split have too many pieces on their arcs, if all arcs together have, or

@@ -20,7 +20,6 @@
 // (split_limits.hpp).
 #include "arrangement/mesher/union_mesher.hpp"
 
-#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
@@ -177,7 +176,7 @@ class UnionMesher {
       // A part has numbers of its own for its balls, and refuses by itself.
       if (!borders_) coincident = team_.least(coincident);
       agree([&] {
-        if (coincident != kNoIndex) refuse_coincident(coincident);
+        if (coincident != kNoIndex) limits_.refuse_coincident(coincident);
       });
       if (borders_) {
         borders_->merge(splits);
@@ -386,13 +385,6 @@ class UnionMesher {
     return i ? balls[*i] : kNoIndex;
   }
 
-  [[noreturn]] void refuse_coincident(std::uint32_t ball) const {
-    throw CurvesTooClose(fmt::format(
-        "two curves on sphere {} are closer than double precision can tell: leave out one of two "
-        "spheres that all but coincide, or use marching cubes",
-        t_.ids[ball]));
-  }
-
   // Sorted by piece, each piece once.
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
     std::vector<PieceSplit> splits =
@@ -429,12 +421,7 @@ class UnionMesher {
     piece.own = {placement.corners(), placement.points(),
                  first_vertex.back() - first_vertex.front()};
     piece.elsewhere = placement.elsewhere();
-    const std::uint64_t vertices = first_vertex.back() + piece.elsewhere.size();
-    if (vertices > kMaxVertices) {
-      throw LimitExceeded(
-          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge length", vertices,
-                      kMaxVertices));
-    }
+    check_vertices(first_vertex.back() + piece.elsewhere.size());
     make_room(mesh, {first_vertex.back(), first_triangle.back()}, kPatchArrays);
     const auto place_arcs = [&] {
       placement.place_corners(mesh);
