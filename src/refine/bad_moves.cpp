@@ -111,20 +111,26 @@ void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices
 }
 
 // Looks in a patch for turned triangles (is_turned()) and marks their vertices. Returns whether
-// there is one.
+// there is one. Triangles of several atoms are passed over at once, and where a triangle was before
+// is asked only if it now faces against its atom's normal, as hardly any does.
 template <class Level>
 bool BadMoves<Level>::mark_turned(const Vertices& v) {
   bool any = false;
+  const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
   for (int child = 0; child < Level::kTriangles; ++child) {
+    const std::array<int, 3> corner = Level::triangle(child);
     std::array<Vec3d, 3> now, before;
     std::array<SphereId, 3> atom;
     std::array<std::uint32_t, 3> vertex;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(Level::triangle(child)[k]);
-      vertex[k] = v[i];
-      now[k] = level_.mesh.positions[v[i]];
-      before[k] = level_.before(v, i);
-      atom[k] = level_.mesh.vertex_spheres.atoms[v[i]];
+      vertex[k] = v[static_cast<std::size_t>(corner[k])];
+      now[k] = level_.mesh.positions[vertex[k]];
+      atom[k] = atoms[vertex[k]];
+    }
+    if (atom[0] != atom[1] || atom[0] != atom[2]) continue;
+    if (facing(spheres_, now.data(), atom.data()) != Facing::against_one_atom) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      before[k] = level_.before(v, static_cast<std::size_t>(corner[k]));
     }
     if (!is_turned(spheres_, before, now, atom)) continue;
     mark_vertices(vertex);
