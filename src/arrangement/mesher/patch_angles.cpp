@@ -46,7 +46,7 @@ double AngleBound::chord(std::uint32_t piece) const {
   return norm(boundary_.points[p.to] - boundary_.points[p.from]);
 }
 
-void AngleBound::take(std::uint32_t piece, std::vector<PieceSplit>& found) const {
+void AngleBound::take(std::uint32_t piece, PatchVector<PieceSplit>& found) const {
   if (piece != kNoPiece && chord(piece) > shortest_)
     found.push_back({boundary_.pieces[piece].source, 1});
 }
@@ -96,7 +96,7 @@ AngleBound::Verdict AngleBound::judge(const std::array<Vec3d, 3>& p) const {
 
 void AngleBound::find_in_plane(PlaneTriangulation& plane, std::span<const Vec3d> points,
                                const Stereographic& projection,
-                               std::vector<PieceSplit>& found) const {
+                               PatchVector<PieceSplit>& found) const {
   const auto count = static_cast<std::uint32_t>(plane.triangles().size());
   for (std::uint32_t t = 0; t < count; ++t) {
     if (!plane.is_inside(t)) continue;
@@ -136,7 +136,7 @@ std::uint32_t AngleBound::piece_in_the_way(PlaneTriangulation& plane, std::span<
   return chosen;
 }
 
-void AngleBound::find_in_patch(const PatchTriangles& patch, std::vector<PieceSplit>& found) const {
+void AngleBound::find_in_patch(const PatchTriangles& patch, PatchVector<PieceSplit>& found) const {
   for (const LinkedTriangle& t : patch.triangles) {
     const auto& v = t.vertices;
     if (judge({patch.points[v[0]], patch.points[v[1]], patch.points[v[2]]}) != Verdict::small) {

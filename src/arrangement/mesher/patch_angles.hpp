@@ -22,6 +22,7 @@
 
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_triangles.hpp"
+#include "arrangement/mesher/patch_vector.hpp"
 #include "arrangement/mesher/plane_triangulation.hpp"
 #include "arrangement/mesher/stereographic.hpp"
 
@@ -57,10 +58,10 @@ class AngleBound {
   // and not excused, if one is in the way of its circumcentre. `points` are those of the plane's
   // vertices on the unit sphere.
   void find_in_plane(PlaneTriangulation& plane, std::span<const Vec3d> points,
-                     const Stereographic& projection, std::vector<PieceSplit>& found) const;
+                     const Stereographic& projection, PatchVector<PieceSplit>& found) const;
   // The same for triangles after smoothing: the longest piece that the triangle has, or else that
   // ends in one of its vertices.
-  void find_in_patch(const PatchTriangles& patch, std::vector<PieceSplit>& found) const;
+  void find_in_patch(const PatchTriangles& patch, PatchVector<PieceSplit>& found) const;
 
   SmallAngles count(const PatchTriangles& patch) const;
 
@@ -74,7 +75,7 @@ class AngleBound {
   void find_sharp_corners();
   Verdict judge(const std::array<Vec3d, 3>& p) const;
   double chord(std::uint32_t piece) const;
-  void take(std::uint32_t piece, std::vector<PieceSplit>& found) const;
+  void take(std::uint32_t piece, PatchVector<PieceSplit>& found) const;
   std::uint32_t piece_in_the_way(PlaneTriangulation& plane, std::span<const Vec3d> points,
                                  const Stereographic& projection, std::uint32_t t) const;
   // Of the triangle's own pieces, or else of those that end in one of its vertices.

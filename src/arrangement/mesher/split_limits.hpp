@@ -23,7 +23,7 @@ class SplitLimits {
   SplitLimits(std::span<const SphereId> ids, const BoundaryArcs& boundary,
               const ArcSampling& sampling);
 
-  // All three throw CurvesTooClose, with the two spheres that meet in a piece.
+  // All but leave_room() throw CurvesTooClose, with the spheres that meet in a piece.
   [[noreturn]] void refuse(const ArcPiece& piece) const;
   // Of two curves on the sphere of this ball that have a point in common where they should not.
   [[noreturn]] void refuse_coincident(std::uint32_t ball) const;
