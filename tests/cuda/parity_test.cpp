@@ -40,8 +40,8 @@ TEST_F(Parity, RandomAndDegenerateSets) {
   }
 }
 
-// Nodes on spheres, and off by 1e-16 to 1e-6 of the radius either way: float32, which both backends
-// try first, decides none of these signs. Balls lie apart from each other, of 1 to 10 spacings.
+// Nodes on spheres, and off by 1e-16 to 1e-6 of the radius either way: float32, which the CPU tries
+// first, decides none of these signs. Balls lie apart from each other, of 1 to 10 spacings.
 TEST_F(Parity, NodesAlmostOnSpheres) {
   ExtractOptions options = options_of(FieldKind::vdw, 0.25);
   options.grid.given = GridSpec{{-4, -4, -4}, 0.25, {256, 256, 32}};
