@@ -13,6 +13,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "arrangement/mesher/patch_batch.hpp"
@@ -32,9 +33,11 @@ std::vector<T> download(const T* from, std::size_t count, const Stream& stream) 
   return to;
 }
 
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+// Whether two arrays have the same bytes.
+template <class A, class B>
+bool same(const A& a, const B& b) {
+  static_assert(std::is_same_v<typename A::value_type, typename B::value_type>);
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
 }
 
 // Takes the jobs of the mesher, measures, and gives the host's results back.
@@ -122,7 +125,8 @@ class MeasuringDevice final : public PatchDevice {
       undecided += o.failure == PatchFailure::undecided;
       if (o.failure != PatchFailure::none || i % stride != 0) continue;
       const PatchMesh& mesh = meshes_[batch.job(i)];
-      std::vector<PieceSplit> splits = download(o.first_split, o.splits, stream);
+      const std::vector<PieceSplit> found = download(o.first_split, o.splits, stream);
+      PatchVector<PieceSplit> splits(found.begin(), found.end());
       sort_requests(splits);
       ++compared;
       other += !(same(download(o.first_interior, o.interior, stream), mesh.interior) &&
