@@ -22,6 +22,7 @@
 #include "mesh/element_color.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/patch_properties.hpp"
+#include "mesh/triangle_check.hpp"
 #include "output.hpp"
 #include "steps.hpp"
 #include "verbs.hpp"
@@ -98,6 +99,7 @@ void make(const Structure& structure, const Options& options, Made& made, Sessio
                         {.connectivity = demand.connectivity, .on_size = prepare});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, made.mesh, limit);
+  check_triangle_count(made.mesh.triangle_count());  // before the file is written
   measure_now_or_later(made.mesh, demand, made, session);
   if (!made.is_measured || !builds) return;
   build_surface_mesh(made.mesh, structure.molecule, made.builder, session);

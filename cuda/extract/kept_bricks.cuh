@@ -13,8 +13,8 @@ namespace vdwmesh {
 // The number of nodes that the cells of a brick touch, 9 x 9 x 9: its own and its halo.
 inline constexpr int kBrickValues = kBrickReach * kBrickReach * kBrickReach;
 
-// The spheres near a brick, in list order. If `count` is more than kPlaces, only
-// the first are there.
+// The spheres near a brick, in list order. If `count` is more than kPlaces, only the first are
+// there.
 template <std::uint32_t kPlaces>
 struct NearPlaces {
   std::uint32_t count;

@@ -101,6 +101,9 @@ Request request_of(const py::kwargs& given) {
   if (request.min_angle > 0 && (request.excluded || !request.exact)) {
     throw InvalidInput("min_angle: is of the exact mesher and the surface \"vdw\"");
   }
+  if (request.min_angle > 0 && request.backend == Backend::cuda) {
+    throw BackendUnavailable("device: meshes with a min_angle are made on the CPU");
+  }
   if (request.excluded && request.backend == Backend::cuda) {
     throw BackendUnavailable("device: the excluded surface is meshed on the CPU");
   }

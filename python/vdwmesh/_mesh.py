@@ -223,8 +223,9 @@ def mesh(
         Of the exact mesher, Å, for all atoms or by atom; edges are shorter at narrow features, and where
         atoms meet the shorter length holds. ``0.2 * radii`` gives every atom as many triangles.
     min_angle : float, optional
-        Of the exact mesher, degrees, at most 25: no triangle has a smaller angle, but near corners where
-        two creases of an atom enclose less than 60°. It holds before a subdivision.
+        Of the exact mesher, degrees, at most 25: triangles with a smaller angle are made better, but near
+        corners where two creases of an atom enclose less than 60°. At 20° none is left elsewhere on
+        molecules, above that a few. It holds before a subdivision, and the CPU makes such meshes.
     subdivide : int
         Levels of midpoint subdivision, each with projection to the surface.
     crossings : {"undo", "allow"}

@@ -87,6 +87,7 @@ void add(ValueSummary& sum, const ValueSummary& other) {
 // and a few values more, since the distribution is not normal where p n is small. Intervals that
 // overlap are joined.
 Brackets brackets_from_sample(std::vector<double> sample) {
+  std::erase_if(sample, [](double value) { return std::isnan(value); });
   std::ranges::sort(sample);
   const auto size = static_cast<double>(sample.size());
   Brackets result;
@@ -140,14 +141,12 @@ std::optional<Distribution> distribution_of(const BracketedValues& values) {
   const Brackets& brackets = values.brackets();
   std::array<Buffer<double>, kPercentiles.size()> inside;
   for (std::size_t i = 0; i < brackets.count; ++i) inside[i] = values.inside(i);
-  const bool keeps_everything = brackets.count == 1 && brackets.intervals[0].lower == 0 &&
-                                std::isinf(brackets.intervals[0].upper);
   std::array<double, kPercentiles.size()> percentiles;
   for (std::size_t p = 0; p < percentiles.size(); ++p) {
     const std::size_t i = brackets.of_percentile[p];
     const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
     if (rank < all.below[i] || rank - all.below[i] >= inside[i].size()) {
-      if (!keeps_everything) return std::nullopt;
+      if (!keep_everything(brackets)) return std::nullopt;
       percentiles[p] = kNone;
       continue;
     }
@@ -162,7 +161,7 @@ std::optional<Distribution> distribution_of(const BracketedValues& values) {
 
 Distribution distribution_of(std::span<const double> values) {
   std::vector<double> sample;
-  const std::size_t step = values.size() / kSampleSize + 1;
+  const std::size_t step = (values.size() / kSampleSize + 1) | 1;
   for (std::size_t i = 0; i < values.size(); i += step) sample.push_back(values[i]);
   const auto with = [&](const Brackets& brackets) {
     BracketedValues bracketed(brackets);

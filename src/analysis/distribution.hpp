@@ -43,10 +43,14 @@ struct Brackets {
 
 // One interval for all values, so that every value is kept and no percentile can be missed.
 inline Brackets bracket_of_everything() { return {}; }
+inline bool keep_everything(const Brackets& brackets) {
+  const auto& [lower, upper] = brackets.intervals[0];
+  return brackets.count == 1 && lower == 0 && upper == std::numeric_limits<double>::infinity();
+}
 
 // Brackets from a sample of the set, in any order. The more it is like a random sample, the
 // likelier the brackets contain the percentiles; a sample of 10,000 values leaves about 5 % of the
-// set inside.
+// set inside. Values that are NaN are left out.
 Brackets brackets_from_sample(std::vector<double> sample);
 
 // What parts of a set of values add up to.

@@ -5,7 +5,7 @@
 //  2. Loops that the compiler makes vectors of compute the edge lengths and the area of each
 //     triangle, and from these its smallest angle and its aspect ratio.
 //  3. The values of a block go to BracketedValues (analysis/distribution.hpp) or into a histogram,
-//     while they are in the cache. No array of all values is made.
+//     while they are in the cache. Only the histogram of edge lengths wants an array of all.
 //
 // The edge lengths come from survey_part(), which sees each edge once.
 //
@@ -67,8 +67,8 @@ void gather(const IndexedMesh& mesh, std::size_t first, std::size_t count, Shape
 //
 // The aspect ratio is R / (2 r) = a b c (a + b + c) / (16 A²), from the circumradius
 // R = a b c / (4 A) and the inradius r = 2 A / (a + b + c). An overflow becomes the largest double,
-// so every ratio is finite. A triangle with a repeated index has area 0, even if rounding would
-// give another one.
+// so the ratio of a triangle of finite area is finite. A triangle with a repeated index has area 0,
+// even if rounding would give another one.
 VDWMESH_MULTIVERSION void compute(std::size_t count, ShapeBlock& block) {
   const auto& [p, q, r] = block.corners;
   for (std::size_t i = 0; i < count; ++i) {
@@ -161,7 +161,7 @@ void visit_shapes(const MeshPart& part,
 
 std::size_t usual_sample_step(std::uint64_t triangles) {
   constexpr std::uint64_t kSample = 1 << 14;  // triangles
-  return static_cast<std::size_t>(triangles / kSample + 1);
+  return static_cast<std::size_t>(triangles / kSample + 1) | 1;
 }
 
 QualitySample sample_quality(const MeshPart& part, std::size_t step) {

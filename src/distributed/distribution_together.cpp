@@ -70,7 +70,11 @@ std::optional<Distribution> distribution_together(const Ranks& ranks,
     ranks.together([&] { inside = values.inside(i); });
     const std::uint64_t kept = ranks.sum(std::uint64_t{inside.size()});
     const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
-    if (rank < all.below[i] || rank - all.below[i] >= kept) return std::nullopt;
+    if (rank < all.below[i] || rank - all.below[i] >= kept) {
+      if (!keep_everything(values.brackets())) return std::nullopt;
+      percentiles[p] = kNone;
+      continue;
+    }
     percentiles[p] = value_of_rank(ranks, std::move(inside), rank - all.below[i]);
   }
   const auto& [p01, median, p99] = percentiles;

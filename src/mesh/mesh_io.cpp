@@ -70,11 +70,16 @@ void check_writable(const IndexedMesh& mesh, std::size_t colors) {
   if (mesh.normals.size() != mesh.vertex_count())
     throw InvalidInput(fmt::format("{} vertex normals, where {} are needed", mesh.normals.size(),
                                    mesh.vertex_count()));
-  const auto is_good = [&](std::size_t v) {
+  if (!mesh.vertex_spheres.empty() && mesh.vertex_spheres.size() != mesh.vertex_count())
+    throw InvalidInput(fmt::format("{} vertex labels, where {} are needed",
+                                   mesh.vertex_spheres.size(), mesh.vertex_count()));
+  const auto is_finite_at = [&](std::size_t v) {
     const Vec3d& p = mesh.positions[v];
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  };
+  const auto is_good = [&](std::size_t v) {
     const SphereId atom = mesh.vertex_spheres.empty() ? kNoSphere : mesh.vertex_spheres[v][0];
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
-           (atom == kNoSphere || atom < colors);
+    return is_finite_at(v) && (atom == kNoSphere || atom < colors);
   };
   std::atomic<bool> all_good = true;
   for_each_index(mesh.vertex_count(), [&](std::size_t v) {
@@ -84,7 +89,7 @@ void check_writable(const IndexedMesh& mesh, std::size_t colors) {
   std::size_t v = 0;
   while (is_good(v)) ++v;
   const Vec3d& p = mesh.positions[v];
-  if (!std::isfinite(p.x + p.y + p.z))
+  if (!is_finite_at(v))
     throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v, p.x, p.y, p.z));
   throw InvalidInput(fmt::format("vertex {} lies on sphere {}, but there are {} colours", v,
                                  mesh.vertex_spheres[v][0], colors));

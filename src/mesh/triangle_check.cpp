@@ -49,12 +49,16 @@ IndexSurvey survey_indices(std::span<const Triangle> triangles, std::size_t vert
 
 }  // namespace
 
+void check_triangle_count(std::size_t triangles) {
+  if (triangles <= kMaxSurfaceHalfEdges / 3) return;
+  throw LimitExceeded(fmt::format(
+      "{} triangles have more than the {} half-edges a mesh can hold; a coarser spacing "
+      "makes fewer",
+      triangles, kMaxSurfaceHalfEdges));
+}
+
 TriangleCheck check_triangles(std::span<const Triangle> triangles, std::size_t vertex_count) {
-  if (triangles.size() > kMaxSurfaceHalfEdges / 3)
-    throw LimitExceeded(
-        fmt::format("{} triangles have more than the {} half-edges a mesh can hold; a coarser "
-                    "spacing makes fewer",
-                    triangles.size(), kMaxSurfaceHalfEdges));
+  check_triangle_count(triangles.size());
   const IndexSurvey found = survey_indices(triangles, vertex_count);
   // The vertex that the message names is the largest of the triangle, hence one that is too large.
   if (found.invalid_index)

@@ -13,6 +13,9 @@ namespace vdwmesh {
 // The most half-edges that a SurfaceMesh can have, because OpenMesh's handles are of type int.
 inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
 
+// Throws LimitExceeded for triangles that have more half-edges than that.
+void check_triangle_count(std::size_t triangles);
+
 struct TriangleCheck {
   // The number of the first triangle that names a vertex twice, if there is one. This is no error
   // here: the analysis says that such a mesh is no manifold, and opposite_half_edges() refuses it.

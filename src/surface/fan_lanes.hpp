@@ -8,8 +8,8 @@
 // them by 2^11 ε m². What is positive must exceed 2^15 ε m² (kStrictly), so it is positive for the
 // exact images, and for all places between these and the computed ones: the exact border can be
 // moved to the computed one without an edge that turns back or by half a turn, and runs around the
-// origin as often. A fan far
-// smaller than 2^-400 or larger than 2^400 is not judged, for its products might be no numbers.
+// origin as often. A fan far smaller than 2^-400 or larger than 2^400 is not judged, for its
+// products might be no numbers.
 #pragma once
 
 #include <cstdint>

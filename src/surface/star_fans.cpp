@@ -1,12 +1,14 @@
 // Directions of fans, and the fans of a divided mesh.
 //
-// A mesh counts as divided if every four consecutive triangles have the vertices of a patch, all
-// corners of patches come before all midpoints, and there are three midpoints for two patches. Then
-// each midpoint belongs to two patches, and halves the same edge in both: of a closed mesh, each
-// half of an edge is a half of an edge of another patch, where it runs backwards, for only there a
-// corner and a midpoint are joined. So there are at least two for each midpoint, and on average
-// exactly two. Both halves of the edge are then in the same other patch, which has the midpoint
-// only once, unless two of its midpoints are the same, and it has no area.
+// A mesh counts as divided if every four consecutive triangles have the vertices of a patch with
+// three different corners, all corners of patches come before all midpoints, and there are three
+// midpoints for two patches. Then each midpoint belongs to two patches, and halves the same edge in
+// both: of a closed mesh, each half of an edge is a half of an edge of another patch, where it runs
+// backwards, for only there a corner and a midpoint are joined. (In a patch with two equal corners
+// the two halves of the edge between them could run back along each other.) So there are at least
+// two for each midpoint, and on average exactly two. Both halves of the edge are then in the same
+// other patch, which has the midpoint only once, unless two of its midpoints are the same, and it
+// has no area.
 #include "surface/star_fans.hpp"
 
 #include <algorithm>
@@ -68,7 +70,8 @@ const Triangle& midpoints_of_patch(const IndexedMesh& mesh, std::size_t t) {
 
 bool is_patch(const IndexedMesh& mesh, std::size_t t) {
   const Triangle& m = midpoints_of_patch(mesh, t);
-  bool is = true;
+  const Triangle corners = corners_of_patch(mesh, t);
+  bool is = corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0];
   for (std::size_t k = 0; k < 3; ++k) {
     const Triangle& child = mesh.triangles[4 * t + k];
     is &= child[1] == m[k] && child[2] == m[k == 0 ? 2 : k - 1];

@@ -9,9 +9,9 @@
 //    rounding led it astray, and the cell is not in conflict, locate_exactly() walks on with exact
 //    signs. If the cell that contains the centre is not in conflict, the ball is hidden.
 // 2. find_hole() collects the cells in conflict, which are connected, and the facets around them.
-// 3. fill_hole() makes a cell of the ball and each of these facets, and link_cells() links the
-// cells
-//    that share a facet at the ball, by a turn about the edge that they share through the hole.
+// 3. fill_hole() makes a cell of the ball and each of these facets, and link_cells()
+//    links the cells that share a facet at the ball, by a turn about the edge that they share
+//    through the hole.
 //
 // Why this is exact, and the same triangulation as CGAL's. All signs of conflicts are exact
 // (conflict_sign()), and a sign of zero ends the work. So at every time the hull has no ball on the
@@ -82,6 +82,7 @@ struct alignas(64) ConflictForm {
 constexpr double kErrorFactor = 32 * (std::numeric_limits<double>::epsilon() / 2);
 // A smaller bound may itself have lost digits to underflow.
 constexpr double kTinyError = 1e-280;
+constexpr double kHugeValue = 1e300;
 
 // Lane i gets lane i + kBy, counted in a circle.
 template <int kBy>
@@ -229,7 +230,9 @@ VDWMESH_INLINE Sign FlatTriangulation::conflict_sign(const ConflictForm& form, s
   const double value = n[3] * w - (n[0] * x + n[1] * y + n[2] * z);
   const double error = form.determinant_error * (squared + 1) +
                        form.normal_error * (std::abs(x) + std::abs(y) + std::abs(z));
-  if (error > kTinyError && std::abs(value) > error) [[likely]] {
+  // Overflow anywhere makes the value infinite or not a number, though its bound may be finite.
+  const double size = std::abs(value);
+  if (error > kTinyError && size > error && size < kHugeValue) [[likely]] {
     return value < 0 ? Sign::positive : Sign::negative;
   }
   const FourIndices& v = cells_[cell].vertices;

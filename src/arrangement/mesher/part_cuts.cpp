@@ -3,9 +3,8 @@
 // 1. Estimate the exposed area of a sample of the spheres: each has some points on it, of which
 //    every other sphere of the set strikes out those that it covers.
 // 2. Add up the work in the cells of the curve that the highest bits of the keys name. A part
-// should
-//    end where a share of the work has been done. Where that is in the middle of a cell that has
-//    much of a part's work, count again in this cell, by the next bits, and so on. One distant
+//    should end where a share of the work has been done. Where that is in the middle of a cell that
+//    has much of a part's work, count again in this cell, by the next bits, and so on. One distant
 //    sphere makes the cells of the others a few, which are divided so.
 //
 // Work is counted in whole numbers, so that sums do not depend on the order of their terms.
@@ -94,8 +93,9 @@ std::vector<SampledWork> sampled_work(const SphereSet& spheres, const SpatialFra
     const double length = options.edge_lengths.empty()
                               ? options.edge_length
                               : options.edge_lengths[sphere_of(view.id[place])];
-    const double triangles = exposed * 4 * std::numbers::pi * s.radius * s.radius /
-                             (std::sqrt(3.0) / 4 * length * length);
+    const double triangles = exposed == 0 ? 0
+                                          : exposed * 4 * std::numbers::pi * s.radius * s.radius /
+                                                (std::sqrt(3.0) / 4 * length * length);
     work.push_back(
         {frame.key(s.center), static_cast<std::uint64_t>(std::min(weight * triangles, kMostWork))});
   }

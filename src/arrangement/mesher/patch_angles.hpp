@@ -46,9 +46,10 @@ struct SmallAngles {
 
 class AngleBound {
  public:
-  // `angle`: the least one that triangles shall have, rad. Pieces up to the length `shortest`, on
-  // the unit sphere, are not asked to be split. Keeps a view of the boundary.
-  AngleBound(const PatchBoundaryView& boundary, double angle, double shortest);
+  // `angle`: the least one that triangles shall have, rad. `edge_length` is that of the patch, on
+  // the unit sphere; pieces up to kShortestForAngles of it are not asked to be split. Keeps a view
+  // of the boundary.
+  AngleBound(const PatchBoundaryView& boundary, double angle, double edge_length);
 
   // The sine of the angle below which circumcentres are inserted. It is somewhat larger than the
   // bound, because smoothing and flips enlarge the least angles only as a rule.

@@ -31,7 +31,8 @@ static inline void triangulate(const PatchBoundary& boundary, const PatchOptions
   std::optional<AngleBound> bound;
   if (options.min_angle > 0 && options.stage == PatchStage::triangles) {
     bound.emplace(boundary, options.min_angle, options.edge_length);
-    if (options.demand == Demand::quality) triangulator.bound_angles(*bound);
+    if (options.demand == Demand::quality && options.splits_for_angles)
+      triangulator.bound_angles(*bound);
   }
   triangulator.run(options.demand, options.stage);
   mesh.interior = scratch.interior;

@@ -30,8 +30,9 @@ struct PatchOptions {
   // boundary. A point that sees it under a wider angle would make a flat triangle with it.
   double widest_view = kWidestView;
   // The least angle that triangles shall have, rad; 0: no bound. With Demand::quality pieces are
-  // split for it.
+  // split for it, unless an arc has so many pieces that this has to end.
   double min_angle = 0;
+  bool splits_for_angles = true;
 };
 
 // The outcome: either triangles, or requests to split pieces, after which the patch must be meshed

@@ -222,9 +222,8 @@ VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::search_all(const P
 }
 
 // Splits triangle t at a vertex inside of it, or on one of its edges; then one of the three new
-// triangles is flat until the caller flips its edge. The new triangle at edge k of t is (vertex,
-// v[k
-// + 1], v[k + 2]). Puts the three on the stack.
+// triangles is flat until the caller flips its edge. The new triangle at edge k of t is
+// (vertex, v[k + 1], v[k + 2]). Puts the three on the stack.
 template <class Memory>
 VDWMESH_HD void PlaneTriangulationOf<Memory>::split(std::uint32_t t, std::uint32_t vertex) {
   const LinkedTriangle old = triangles_[t];

@@ -203,14 +203,15 @@ class UnionMesher {
       const SplitLimits::Growth growth{pieces_at_first_, all_pieces(), team_.least(fits) != 0,
                                        options_.memory_limit};
       agree([&] { limits_.check_growth(last_splits_, growth); });
-      if (has_angles()) leaves_room_ = leaves_room_ && limits_.leave_room(last_splits_);
+      if (options_.min_angle > 0) leaves_room_ = leaves_room_ && limits_.leave_room(last_splits_);
     }
   }
 
-  bool has_angles() const { return options_.min_angle > 0; }
-  bool has_quality(int round) const {
-    return round <= (has_angles() ? kAngleRounds : kQualityRounds) && leaves_room_;
+  // Whether pieces are split for the angles of triangles, and for their quality, in this round.
+  bool has_angles(int round) const {
+    return options_.min_angle > 0 && leaves_room_ && round <= kAngleRounds;
   }
+  bool has_quality(int round) const { return round <= kQualityRounds || has_angles(round); }
 
   // Does a check that may throw CurvesTooClose. If all processes have arranged all balls, it comes
   // to the same in all of them; parts have to tell each other.
@@ -268,7 +269,7 @@ class UnionMesher {
       PatchMesh& patch = patches_[ball] =
           mesh_patch(progress,
                      {edge_length, demand, stage, options_.monitor, kWidestView,
-                      options_.min_angle * std::numbers::pi / 180},
+                      options_.min_angle * std::numbers::pi / 180, leaves_room_},
                      scratch_.local());
       if (!patch.triangles.empty()) finish(ball, patch);
     } catch (const CoincidentPoints&) {

@@ -390,6 +390,11 @@ TEST(IntersectingPairsOfDividedMeshes, OthersHaveNoStars) {
   const auto last = static_cast<std::uint32_t>(fine.positions.size() - 1);
   for (Triangle& t : joined.triangles) std::ranges::replace(t, last, last - 1);
   EXPECT_TRUE(fans_of_divided(joined).empty());
+  // Patches with two equal corners: their two corners become one in all triangles.
+  IndexedMesh pinched = fine;
+  for (Triangle& t : pinched.triangles)
+    std::ranges::replace(t, fine.triangles[1][0], fine.triangles[0][0]);
+  EXPECT_TRUE(fans_of_divided(pinched).empty());
   IndexedMesh shifted = fine;
   std::ranges::rotate(shifted.triangles, shifted.triangles.begin() + 1);
   EXPECT_TRUE(fans_of_divided(shifted).empty());
