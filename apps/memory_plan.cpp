@@ -127,11 +127,12 @@ class Estimate {
   std::uint64_t beside_mesh() const {
     return d_.beside == Switch::on && d_.exact ? union_bytes(d_.spheres, *d_.exact, d_.exposed) : 0;
   }
-  // Of the distances, while the mesh is measured. If the device has too little memory for them, the
-  // CPU measures them.
+  // Of the exact union that is there already, and of the distances, while the mesh is measured. If
+  // the device has too little memory for them, the CPU measures them.
   std::uint64_t beside_measures(const MeshSize& mesh) const {
-    if (d_.beside != Switch::on || d_.distances != Switch::on) return 0;
-    return union_result() + distances_bytes(mesh, d_.spheres);
+    if (d_.beside != Switch::on) return 0;
+    const bool distances = d_.distances == Switch::on;
+    return union_result() + (distances ? distances_bytes(mesh, d_.spheres) : 0);
   }
 
   // Stages that look at the finished mesh, one after the other, which is why their needs do not add

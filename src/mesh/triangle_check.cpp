@@ -1,4 +1,5 @@
-// check_triangles(): one parallel reduction over the triangles.
+// check_triangles(): one parallel reduction over the triangles finds the first that names a vertex
+// that does not exist, the first that names one twice, and the number of half-edges.
 #include "mesh/triangle_check.hpp"
 
 #include <fmt/format.h>
