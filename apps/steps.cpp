@@ -1,7 +1,7 @@
-// The steps of the verbs (mesh, report and so on), on the libraries: each does one thing, measures
-// how long it took, and writes what it found into the report of the session. What only explains
-// figures, such as a fallback to the CPU or a check that was left out, becomes a note; what may be
-// wrong becomes a warning.
+// The steps that the verbs (mesh, report and so on) are made of. Each calls the libraries for one
+// thing, measures how long it took, and writes what it found into the report of the session. What
+// only explains figures, such as a fallback to the CPU or a check that was left out, becomes a
+// note; what may be wrong becomes a warning.
 #include "steps.hpp"
 
 #include <fmt/format.h>
@@ -25,6 +25,7 @@ namespace {
 InputReport input_of(Molecule& molecule, const InputOptions& options) {
   std::vector<Atom> atoms = std::exchange(molecule.atoms, {});
   InputReport input{molecule, atoms.size(), options.probe, std::nullopt, 0};
+  // `measure` is the selection as text, `measured` the number of atoms that it selects.
   if (!options.read.measure.empty()) input.measure = options.read.measure;
   input.measured = static_cast<std::uint64_t>(std::ranges::count(atoms, true, &Atom::measured));
   molecule.atoms = std::move(atoms);
@@ -37,8 +38,8 @@ int cpu_threads() {
 }
 
 // Returns how many devices make the mesh, 0 if the CPU makes it. Refuses if more are asked for than
-// there are. Notes in the report if the CPU makes the mesh although several were asked for, or if
-// one makes it, because only an extraction is shared.
+// there are. Notes in the report if several were asked for but the CPU makes the mesh, or only one
+// device does, because no work but an extraction is shared.
 int devices_for(const SurfaceOptions& surface, Session& session) {
   const MachineOptions& machine = session.machine;
   Report& report = session.report;
@@ -108,7 +109,7 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
                   s.contacts, s.joins));
 }
 
-// Angles have a bound if they were asked for; then the few triangles that do not keep it are told.
+// Notes how many triangles stay below the least angle, if one was asked for.
 void note_small_angles(const ExactMeshStats& s, Report& report) {
   if (s.below_min_angle == 0) return;
   report.notes.push_back(
@@ -232,8 +233,9 @@ Structure load(const InputOptions& options, Session& session) {
   return {std::move(molecule), std::move(spheres)};
 }
 
-// To make a device current starts it. Of crease-exact meshes only large ones are made on a device
-// that was not asked for.
+// share_devices(0) makes the first usable device current, which starts it. If no device was asked
+// for, only large crease-exact meshes are made on one, and the size is not known yet; so for these
+// none is started.
 std::future<void> start_device(const MachineOptions& machine, const SurfaceOptions& surface) {
   const bool is_asked_for = machine.backend == Backend::cuda;
   const bool is_likely =
@@ -291,6 +293,7 @@ LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<Leve
 void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mesh) {
   mesh.levels = std::move(levels);
   if (mesh.levels.empty()) return;  // no levels were recorded
+  // The base class of the report: what measure() found of the finished mesh.
   const MeshExamination& examined = mesh;
   mesh.levels.push_back({examined, last, mesh.self_intersections});
 }

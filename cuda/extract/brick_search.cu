@@ -95,11 +95,11 @@ __device__ unsigned vote_by_child(bool says) {
 // What vote_by_child() returns if every child has a lane with a true vote.
 constexpr unsigned kAllChildren = (1u << kChildren) - 1;
 
-// The test of a child for a blended field. Each lane adds its part of the atoms to `bounds`, which
-// has their number and sums over them: of the least and the most that each contributes, and of
-// linear bounds on it, tangents and chords, as FieldBounds explains (block_bounds.hpp). join() adds
-// the sums of the child's four lanes. After that, bounds.lower() and bounds.upper() bound the field
-// in the child's box.
+// The test of a child for a blended field. Each lane adds its part of the atoms to `bounds`,
+// which counts them and sums bounds on what each contributes: its least and its most, and as
+// functions of the place its tangent and its chord (FieldBounds in block_bounds.hpp). join() adds
+// the sums of the child's four lanes; bounds.lower() and bounds.upper() then bound the field in
+// the child's box.
 template <BlendedKind Kind>
 struct BlendedTest {
   ShapeParameters<float> shape;
@@ -182,8 +182,8 @@ struct UnionTest {
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
     // Squared distances (Å²) of the nearest and of the farthest point of the box from the centre of
-    // the ball, and an upper bound (Å) of the coordinates that are rounded on the way: of `end`,
-    // to_middle, from_parent, and NearSphere::from, which is to_middle less from_parent.
+    // the ball. `extent` (Å) bounds all coordinates that are rounded on the way: `end`, to_middle,
+    // from_parent, and NearSphere::from, which is to_middle less from_parent.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       // Distances from the centre along the axis: of the box's middle, and of its far end.
@@ -193,12 +193,11 @@ struct UnionTest {
       far = fmaf(end, end, far);
       extent += end + fabsf(child.from_parent[axis]);
     }
-    // A bound on the errors in Å. The unit of the error is 2^-24, float32's relative rounding
-    // error, times `extent`; 2e-6 makes 33 units. A coordinate of to_middle is rounded three times:
-    // when NearSphere::from is made, when from_parent is made, and when they are added. `half`,
-    // `end`, `gap`, squares and sums add a few roundings more. Each of them costs at most one unit.
-    // from_parent counts in `extent` because the border of the grid may cut the child to a slice
-    // whose middle is much farther from the parent's than the slice is thick.
+    // A bound on the errors in Å. A rounding to float32 costs at most one unit, 2^-24 times
+    // `extent`. A coordinate of to_middle costs three units: NearSphere::from and from_parent are
+    // rounded, and so is their sum. `half`, `end`, `gap`, squares and sums cost a few more. 2e-6 is
+    // ample: it makes 33 units. `extent` counts from_parent because the border of the grid may cut
+    // the child to a slice whose middle is much farther from the parent's than the slice is thick.
     const float error_bound = 2e-6f * extent, outer = s.size + error_bound;
     const float inner = fmaxf(s.size - error_bound, 0.0f);
     touched |= near <= outer * outer;
@@ -329,8 +328,8 @@ void test_all_children(const Fields& fields, const KeyList& parents, int child_l
 }
 
 // Throws LimitExceeded if the kept blocks are more than `most`, the number of bricks that fit in
-// the memory allowed. A kept block of a level above 0 may have several bricks with surface, or
-// none.
+// the memory allowed. At level 0 the blocks are bricks. Above it, where a kept block may have
+// several bricks with surface, or none, the limit only keeps the lists short.
 void check_kept(std::uint64_t count, std::uint64_t most) {
   if (count <= most) return;
   throw LimitExceeded("the search for the surface keeps " + std::to_string(count) +
@@ -402,9 +401,9 @@ KeyList sorted_children(const Fields& fields, const KeyList& parents, const KeyR
   return blocks;
 }
 
-// The lattice blocks with which the descent begins: all blocks of one level, untested. It is the
-// finest level, 1 or above (the descent tests children, so it ends at 0), with at most kFirstBlocks
-// blocks. Coarser levels would have too few blocks to keep the device busy.
+// The lattice blocks with which the descent begins: all blocks of one level, untested. This is the
+// finest level with at most kFirstBlocks blocks; coarser ones would not keep the device busy. It is
+// at least 1, since the descent tests only children, and level 0 is its end.
 struct FirstBlocks {
   KeyList blocks;
   int level;

@@ -26,8 +26,9 @@ constexpr int kCellsPerFace = kBrickSide * kBrickSide;
 // A row of eight nodes along x: from these two the number of each of its vertices follows
 // (corner_number()).
 struct alignas(8) VertexRow {
-  std::uint32_t first;    // number in the mesh of the first vertex of the row
-  std::uint32_t crossed;  // RowCrossings::packed
+  std::uint32_t first;  // number in the mesh of the first vertex of the row
+  // RowCrossings::packed: bit 8 * axis + x says whether node x's edge along the axis is crossed.
+  std::uint32_t crossed;
 };
 
 // A cell of the brick that the surface crosses, in one word. Cells are numbered 64 z + 8 y + x.
@@ -62,10 +63,13 @@ struct TriangleShared {
   // which are this brick's nodes x = 8. Rows at a face are set only if the surface crosses the
   // face.
   VertexRow rows[2 * kRows];
-  std::uint32_t before[4 * kBrickReach];  // crossings_before(x % 8, axis), at 4 x + axis
-  MixedCell cells[kBrickNodes];           // in the order of their triangles
-  // Bit t % 32 of word t / 32 is set if triangle t is the first one of a cell. Three more words, so
-  // that words may be read ahead, and the triangles need not fill the last one.
+  // At 4 x + axis is crossings_before(x % 8, axis): the bits of VertexRow::crossed whose vertices
+  // have smaller numbers than that of node x along the axis.
+  std::uint32_t before[4 * kBrickReach];
+  MixedCell cells[kBrickNodes];  // in the order of their triangles
+  // Bit t % 32 of word t / 32 is set if triangle t is the first one of a cell. There are three more
+  // words: the last word of a brick may be partly filled, a warp reads one word ahead, and one word
+  // is to spare.
   std::uint32_t begins[kTriangleWords + 3];
   std::uint32_t face_signs;            // see share_face_signs()
   std::uint32_t staged[2][3 * kWarp];  // of each warp, see store_staged()
@@ -74,7 +78,9 @@ struct TriangleShared {
 
 // ---- the brick's own cells and rows ----
 
-// What a thread loads of a brick: a word of 8 bytes of it, and a neighbour.
+// What a thread loads of a brick: a word of 8 bytes of it, and a neighbour. Both go to registers
+// first, so that these loads are under way together with those that tell whether the brick has
+// triangles (load_now()). share() then writes them to shared memory.
 struct BrickPart {
   static constexpr unsigned kWords = sizeof(ActiveBrick) / sizeof(std::uint64_t);
   static_assert(kWords <= kTriangleThreads && sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
@@ -117,6 +123,7 @@ __device__ void share_cells(const CaseTable& table, std::uint32_t first_half_edg
     const auto lower =
         static_cast<unsigned>(__popc(mixed_cells(s.brick.signs, y, z - half_height)));
     base = __reduce_add_sync(kAllLanes, lower);
+    // The second half begins with row kWarp.
     start = s.brick.row_triangles[kWarp];
   }
   // `cells &= cells - 1` removes the lowest bit.
@@ -160,18 +167,19 @@ __device__ void share_own_rows(std::uint64_t first, TriangleShared<connectivity>
       row_crossings(s.brick.signs, y, z).packed};
 }
 
-// What a row of nodes adds to `face_signs`. Bits 0 .. 8: some node of the layer x = 0 .. 8 is
-// inside, of which the first and the last are faces. Bits 9, 10, 11, 12: some node of the layer y =
-// 0, y = 8, z = 0, z = 8 is, for those that `layers` names by the same bits. The same bits plus 16:
-// some node is outside.
+// What a row of nodes adds to `face_signs`. Bit x = 0 .. 8: some node of the layer x is inside; the
+// layers 0 and 8 are faces. Bits 9, 10, 11 and 12: some node of the face y = 0, y = 8, z = 0 or
+// z = 8 is inside; `layers` has the bits of those faces in which the row lies. The same bits plus
+// 16: some node is outside.
 __device__ std::uint32_t signs_of_row(std::uint32_t inside, std::uint32_t layers) {
   constexpr std::uint32_t all = (1u << kBrickReach) - 1;
   const std::uint32_t outside = ~inside & all;
   return inside | outside << 16 | (inside != 0 ? layers : 0) | (outside != 0 ? layers << 16 : 0);
 }
 
-// Adds all rows to `face_signs`: a thread for each row that the brick owns, then one for each of
-// the 17 others, whose y or z is 8.
+// Adds all rows to `face_signs`. Each thread adds one row that the brick owns. The first nine also
+// add two each of the 17 others, whose y or z is 8; the row with both is added twice, which
+// changes nothing.
 template <Connectivity connectivity>
 __device__ void share_face_signs(TriangleShared<connectivity>& s) {
   constexpr std::uint32_t front = 1u << 9, back = 1u << 10, bottom = 1u << 11, top = 1u << 12;
@@ -196,11 +204,11 @@ __device__ std::uint32_t faces_crossed(std::uint32_t face_signs) {
 
 // ---- what lies beyond the faces ----
 
-// The row with coordinates y and z = 0 .. 8, counted from the block's brick, of that brick (dx = 0)
-// or of the next one along x (dx = 1), where an upper neighbour owns it: if y or z is 8, as row 0
-// there. If that neighbour is not in the list, the result is an empty row; check_neighbours()
-// reports the neighbour if the surface goes there. y >> 3 is the neighbour's offset, y & 7 the row
-// in it. `before_mesh`: the vertices of the list before those of the brick's mesh.
+// Returns row (y, z) of the block's brick (dx = 0) or of the next brick along x (dx = 1), where y
+// or z is 8, so that an upper neighbour owns the row. y >> 3 and z >> 3 are the neighbour's
+// offsets, y & 7 and z & 7 the row there. If the neighbour is not in the list, the result is an
+// empty row; check_neighbours() reports the neighbour if the surface goes there. `before_mesh` is
+// the number of vertices of the list before those of the brick's mesh.
 __device__ VertexRow row_beyond(const BrickList& list, std::uint64_t before_mesh,
                                 const TriangleNeighbours& near, int dx, int y, int z) {
   const std::uint32_t place = near.place[upper_neighbour(dx, y >> 3, z >> 3)];
@@ -213,9 +221,10 @@ __device__ VertexRow row_beyond(const BrickList& list, std::uint64_t before_mesh
   return {static_cast<std::uint32_t>(first), row_crossings(owner.signs, y, z).packed};
 }
 
-// The row (y, z) of the next brick along x, with y and z = 0 .. 7: of its nodes only the first is
-// used, which is node 8 of the row here, and of that node only the edges along x and y, which come
-// before others in numbers. So the signs of this brick tell all but the node after it.
+// The row (y, z) of the next brick along x, with y and z = 0 .. 7. Only its first node is used,
+// which is node 8 of the row here. The vertices of a node have numbers in the order x, y, z, so its
+// crossing along z comes before no other and is left out. The signs of this brick tell its crossing
+// along y; that along x needs one sign of the next brick.
 __device__ VertexRow row_across_x(const BrickSigns& here, const ActiveBrick& next,
                                   std::uint32_t first, int y, int z) {
   const std::uint32_t own = static_cast<std::uint32_t>(here.row[z][y]) >> kBrickSide;
@@ -224,9 +233,9 @@ __device__ VertexRow row_across_x(const BrickSigns& here, const ActiveBrick& nex
   return {first + next.row_vertices[z * kBrickSide + y], along_x | (own ^ behind) << kBrickSide};
 }
 
-// Fills the rows of upper neighbours: the 17 rows with y or z = 8 of the brick's plane, by the
-// first warp, and if the surface crosses the face to the next brick along x, the same 17 of that
-// brick by the other warp, and its other 64 by a thread each.
+// Fills the rows of upper neighbours. The first warp fills the 17 rows of this brick with y or z
+// equal to 8. If the surface crosses the face to the next brick along x, the second warp fills the
+// same 17 rows of that brick, and each thread of both warps fills one of its 64 other rows.
 template <Connectivity connectivity>
 __device__ void share_rows_beyond(const BrickList& list, std::uint64_t before_mesh,
                                   std::uint32_t faces, TriangleShared<connectivity>& s) {
@@ -248,8 +257,8 @@ __device__ void share_rows_beyond(const BrickList& list, std::uint64_t before_me
 }
 
 // The mixed cells beyond a face, which are cells of the brick `owner`, whose first half-edge has
-// the number `first_half_edge`. Cells are entered in the shell as it counts from this brick: eight
-// cells back from where the owner counts them, or on.
+// the number `first_half_edge`. They are entered in the shell with the coordinates of this brick,
+// which differ from the owner's by 8 along the axis of the face.
 struct CellsBeyond {
   const ActiveBrick& owner;
   std::uint32_t first_half_edge;
@@ -295,8 +304,8 @@ __device__ void share_row_of_cells(const CellsBeyond& beyond, int y, int z, int 
 // Checks, for the first 6 lanes of a warp and the faces of their numbers, that the list has the
 // brick beyond each face that the surface crosses, and adds the missing ones to `missing`. A brick
 // that only shares an edge with this one needs no check of its own: if the surface crosses that
-// edge, it crosses the faces that contain the edge. Two other bricks share faces with both, so the
-// checks of the faces report the missing brick.
+// edge, it crosses the four faces at it. A brick between the two shares such a face with both. If
+// it is in the list, its own check reports the missing brick; if not, this check reports it.
 __device__ void check_neighbours(const TriangleNeighbours& near, std::uint32_t faces,
                                  unsigned long long* missing) {
   const unsigned face = threadIdx.x % kWarp;
@@ -351,7 +360,9 @@ __device__ std::uint32_t corner_number(const TriangleShared<connectivity>& s,
   return nodes.first + static_cast<std::uint32_t>(__popc(nodes.crossed & s.before[at]));
 }
 
-// Number in the mesh of the opposite of a half-edge of the cell `cell` of the shell.
+// Number in the mesh of the opposite of a half-edge of the cell `cell` of the shell. If the
+// opposite is in another cell, the code counts from kFirstFaceCode and names a place in the common
+// face: the case of that cell then tells its half-edge there.
 __device__ std::uint32_t opposite_number(const Shell<Connectivity::half_edges>& shell,
                                          const CaseTable& table, const HalfEdgeCode& edge,
                                          int cell) {

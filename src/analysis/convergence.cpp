@@ -62,10 +62,10 @@ using Three = std::array<Point, 3>;
 // Returns (y3 - y2) / (y2 - y1). In this ratio limit and constant of the model cancel.
 double ratio_of_differences(const Three& p) { return (p[2].y - p[1].y) / (p[1].y - p[0].y); }
 
-// Returns the ratio (y3 - y2) / (y2 - y1) for the model y = x^p with p = order:
-// (x3^p - x2^p) / (x2^p - x1^p). Numerator and denominator are divided by x2^p, which gives
-// ((x3/x2)^p - 1) / (1 - (x1/x2)^p). expm1 computes both differences without cancellation when p is
-// small.
+// Returns the ratio (y3 - y2) / (y2 - y1) for the model y = x^k, where k is the order:
+// (x3^k - x2^k) / (x2^k - x1^k). Numerator and denominator are divided by x2^k, which gives
+// ((x3/x2)^k - 1) / (1 - (x1/x2)^k). expm1 computes both differences without cancellation when k
+// is small.
 double ratio_of_powers(const Three& p, double order) {
   return std::expm1(order * std::log(p[2].x / p[1].x)) /
          -std::expm1(order * std::log(p[0].x / p[1].x));

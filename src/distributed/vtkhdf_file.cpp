@@ -41,6 +41,8 @@ void write_made(SharedFile& file, std::uint64_t place, std::uint64_t first, std:
   }
 }
 
+// Writes a run: the vertices `begin` to `end` - 1 of the piece, which are numbered from `first` on
+// in the whole mesh, and so in the arrays of the file.
 void write_vertices_of(const SurfacePiece& piece, const VertexNumbers::Run& run,
                        std::span<const RgbColor> colors, const VtkHdfPlaces& places,
                        SharedFile& file) {
@@ -95,6 +97,7 @@ VtkHdfPlaces write_layout(const MeshSize& size, SharedFile& file) {
 void write_vtkhdf(const Ranks& ranks, const SurfacePiece& piece, std::span<const RgbColor> colors,
                   SharedFile& file) {
   VtkHdfPlaces places{};
+  // If the first rank throws, so do the others: none goes on without a layout.
   ranks.together([&] {
     if (ranks.is_first()) places = write_layout(piece.whole, file);
   });

@@ -85,8 +85,9 @@ void begin_batch(BatchExtraction& result, const ExtractBatch& batch) {
     throw InvalidInput(fmt::format("{} grids for {} sets: give one for each set, or none",
                                    batch.grids.size(), spheres.set_count()));
   }
+  // The view checks all spheres; it is not needed otherwise.
   SphereSet::view({spheres.spheres, spheres.size});
-  make_room(result.meshes, {}, {});
+  make_room(result.meshes, {}, {});  // for no vertex and no triangle: empties all arrays
   result.before.assign(1, {});
   result.grids.clear();
   result.stats = {};

@@ -86,6 +86,7 @@ void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t begin, std::size_t
     ++end[std::min(from, to) - first_vertex];
   });
   std::uint32_t next = begin;
+  // `e` becomes `next`, then its old value, the size, is added: += evaluates its right side first.
   for (std::uint32_t& e : end) next += std::exchange(e, next);
   for_each_half_edge([&](std::uint32_t number, std::uint32_t from, std::uint32_t to) {
     // The third argument is the direction: whether the half-edge descends to the smaller vertex.

@@ -8,13 +8,15 @@
 // Crossing triangles are found in a uniform grid in which patches are listed. Two patches with
 // triangles that cross share a cell. Of the cells that two patches share, they are tested in the
 // one with the lowest numbers along all axes, so that each pair is tested once. The tests of a pair
-// get more expensive, and each rejects most of what it sees:
-//  1. Do the boxes of the patches overlap? Eight boxes are tested at a time (refine/box_lanes.hpp).
-//  2. Do the patches share a corner around which all patches are a star? (refine/patch_fans.hpp)
-//     Does a plane keep them apart? (refine/patch_outline.hpp)
-//  3. For each triangle of one patch: which triangles of the other may cross it? All four are
-//     tested at a time (refine/patch_lanes.hpp).
-//  4. Do the two triangles cross? (triangles_cross())
+// get more expensive, and each drops most of the pairs that it sees:
+// 1. The boxes of the patches must overlap. Eight boxes are tested at a time
+//    (refine/box_lanes.hpp).
+// 2. A pair is dropped if the patches share a corner around which all patches are a star, for
+//    none of these cross (refine/patch_fans.hpp), or if a plane keeps the two patches apart
+//    (refine/patch_outline.hpp).
+// 3. For each triangle of one patch, those of the other that cannot cross it are dropped. All four
+//    are tested at a time (refine/patch_lanes.hpp).
+// 4. The two triangles must cross (triangles_cross()).
 // Passes after the first check only the patches and cells around the vertices that were just put
 // back.
 //
@@ -55,8 +57,8 @@ struct BadMoves<Level>::Patch {
 
 template <class Level>
 bool BadMoves<Level>::mark() {
-  // For the first pass the constructor has filled dirty_. Without a grid, if the options allow
-  // crossings, dirty_ is empty.
+  // For the first pass the constructor has filled dirty_. If the options allow crossings, there is
+  // no grid, and dirty_ is empty.
   if (pass_ > 0 && grid_) find_dirty_cells<is_just_undone>();
   const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
@@ -107,12 +109,14 @@ bool BadMoves<Level>::has_vertex(const Vertices& v) {
 
 template <class Level>
 void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices) {
+  // vdwmesh::mark() marks one vertex; the member of this name makes a whole pass.
   for (const std::uint32_t v : vertices) vdwmesh::mark(level_, move_states_, v);
 }
 
 // Looks in a patch for turned triangles (is_turned()) and marks their vertices. Returns whether
-// there is one. Triangles of several atoms are passed over at once, and where a triangle was before
-// is asked only if it now faces against its atom's normal, as hardly any does.
+// there is one. A triangle whose corners have different atoms cannot be turned and is skipped.
+// Where a triangle was before is looked up only if it now faces against its atom's normal, as
+// hardly any does.
 template <class Level>
 bool BadMoves<Level>::mark_turned(const Vertices& v) {
   bool any = false;
@@ -199,9 +203,10 @@ struct BadMoves<Level>::CellPatches {
   }
 };
 
-// Takes the boxes of the patches of a cell, and which of their corners have stars. Returns a length
-// (Å) by which any two vertices of these patches differ at most along each axis: the sum of the
-// three sides of the box around all boxes. length_of() adds the rounding of the boxes to float32.
+// Takes the boxes of the patches of a cell, and which of their corners have stars. Returns a
+// length (Å) by which any two vertices of these patches differ at most along each axis. This is
+// the sum of the three sides of the box around all boxes; length_of() adds the rounding of the
+// boxes to float32.
 template <class Level>
 double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
   const auto listed = grid_->patches_in(cell);
@@ -212,6 +217,7 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
     const CellBox& box = grid_->box_of_patch(listed[j]);
     const PatchGrid::Place first = grid_->place_of(box.lower);
     here.boxes.set(j, box);
+    // Only patches of Midpoints, with three corners and three midpoints, have stars.
     if constexpr (Level::kVertices == 6) {
       here.stars.set(j, fans_, level_.parent.triangles[listed[j]]);
     }
@@ -223,8 +229,9 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
     }
     here.begins[j] = static_cast<std::uint8_t>(begins);
   }
-  // A side is NaN if both its ends are infinite. The sum is NaN then, which a maximum might not be;
-  // no plane keeps patches apart, and all pairs are tested.
+  // The sum is NaN if a side is, which the maximum of the sides might not be. A side is NaN if both
+  // its ends are infinite. Every comparison with a NaN fails: so no plane keeps patches apart then,
+  // and all pairs are tested.
   double reach = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) reach += grid_->length_of(lower[axis], upper[axis]);
   return reach;
@@ -247,10 +254,10 @@ const PatchOutline& BadMoves<Level>::outline(std::size_t cell, std::size_t i,
   return here.outlines[i];
 }
 
-// Whether a patch must be tested with itself. Around a star no two children cross. If all vertices
-// have one atom, triangles_cross() would report nothing: each two of the four children share a
-// vertex, and it leaves such pairs of one atom to mark_turned(). Otherwise planes may keep the
-// children apart.
+// Whether a patch must be tested with itself. If a corner of the patch has a star around it, no two
+// of its children cross. If all vertices have one atom, triangles_cross() would report nothing:
+// each two of the four children share a vertex, and it leaves such pairs of one atom to
+// mark_turned(). Otherwise planes may keep the children apart.
 template <class Level>
 bool BadMoves<Level>::may_cross_itself(std::size_t cell, std::size_t i, CellPatches& here) const {
   if constexpr (Level::kTriangles == 1) return false;

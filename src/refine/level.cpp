@@ -4,9 +4,9 @@
 // parent's vertices to the front of the new arrays, writes the four children of each triangle,
 // makes one midpoint per edge, and takes bad moves back. A move of a vertex is bad if it turns a
 // triangle against its atom's outward normal or makes two triangles cross (refine/bad_moves.hpp).
-// If triangles are labelled with their spheres, no move is taken back: midpoints stay on the pieces
-// of their edges (constrained_midpoints.hpp). project_given() does the projection and the taking
-// back for the vertices of the given mesh.
+// If triangles are labelled with their spheres, no move is taken back: a midpoint is put on the
+// spheres of the two triangles at its edge (constrained_midpoints.hpp). project_given() does the
+// projection and the taking back for the vertices of the given mesh.
 //
 // The code that takes moves back sees both cases through views, Midpoints and Given, which refer to
 // the meshes and own nothing (refine/level_view.hpp). All loops are parallel. Each turn of a loop
@@ -83,11 +83,11 @@ MoveState put(const PlacedVertex& placed, std::size_t v, IndexedMesh& mesh) {
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                   const Midpoints& level, IndexedMesh& mesh,
                                   const RefineOptions& options) {
-  // Four things have numbers here:
+  // These numbers and this position are used below:
   //   h, an item of `level`    a half-edge of the parent
   //   handled_by_item(h)       its edge, if h is the lower half-edge of it; otherwise nothing
   //   midpoint_of(h)           the vertex at the middle of the edge
-  //   middle_of(h)             no number, but a position: the middle of the edge's ends
+  //   middle_of(h)             a position: the middle between the edge's ends
   const Sphere* balls = spheres.spheres().data();
   Buffer<MoveState> move_states(level.items() / 2);  // by edge: two half-edges each
   ProjectionStats stats =

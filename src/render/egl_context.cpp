@@ -40,8 +40,8 @@ bool has_library(const char* name) {
 }
 
 // epoxy opens the libraries at the first call of a function of theirs, and ends the program if
-// there are none: so they are looked for before. The packages are named because no other package
-// brings all of them.
+// there are none: so they are looked for before. The message names three packages, because there is
+// no single one that brings them all.
 void require_libraries() {
   constexpr const char* kPackages =
       "Debian's packages libegl1, libopengl0 and libgl1-mesa-dri draw without a GPU";

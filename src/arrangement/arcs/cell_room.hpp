@@ -14,11 +14,14 @@
 
 namespace vdwmesh::arcs {
 
-// An edge as seen from one of its ends: 4 v + k is edge k (1, 2 or 3) of vertex v. Three planes
-// meet in a vertex, which are numbered 1, 2 and 3 there such that the determinant of their axes is
-// positive. Edge k lies in the two planes other than k, so it leaves plane k. It runs against the
-// cross product of the axes of the two planes that follow k in the cycle 1, 2, 3. Seen from its
-// other end, these two planes follow each other in the opposite order.
+// An edge as seen from one of its ends: 4 v + k is edge k (1, 2 or 3) of vertex v. Counting from 1
+// leaves 0 for no edge; with four numbers per vertex, a shift finds the vertex.
+//
+// Three planes meet in a vertex. They are numbered 1, 2 and 3 there such that the determinant of
+// their axes n1, n2, n3 is positive. Edge k lies in the two planes other than k. From the vertex it
+// leads away from plane k into the cell: edge 1 in the direction -(n2 x n3), edges 2 and 3 likewise
+// in the cycle 1, 2, 3. The direction is opposite at its other end, so there the two planes follow
+// each other in the opposite order.
 using EdgeEnd = std::uint32_t;
 constexpr std::uint32_t vertex_of(EdgeEnd end) { return end / 4; }
 constexpr EdgeEnd end_of(std::uint32_t vertex, std::uint32_t side) { return 4 * vertex + side; }
@@ -49,9 +52,10 @@ inline constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 // What a cell is made of. Array<T, kSize> is the kind of array.
 template <template <class, std::size_t> class Array, std::size_t kVertices, std::size_t kPlanes>
 struct CellArrays {
-  // By slot of a vertex. The loops over x, y, z and depth run to a multiple of kStep.
+  // By slot of a vertex. `depth` is how far the vertex lies beyond the plane of the cut. Loops over
+  // all vertices read x, y, z and depth, and run to a multiple of kStep.
   Array<double, kVertices> x, y, z, depth;
-  Array<Position, kVertices> position;  // the same as x, y and z
+  Array<Position, kVertices> position;  // the same as x, y and z, for one vertex at a time
   // By EdgeEnd: the plane that the edge leaves there, and the edge's other end.
   Array<std::uint32_t, 4 * kVertices> plane_left;
   Array<EdgeEnd, 4 * kVertices> twin;
@@ -59,8 +63,8 @@ struct CellArrays {
   // By plane, during a cut: the first end of the edge of the new face in this plane, until its
   // second end is found. 0 otherwise.
   Array<EdgeEnd, kPlanes> open;
-  // The free slots. During a cut: the slots that were free before, and then unused slots, which are
-  // appended four at a time.
+  // The slots of removed vertices, which new vertices may use again. A cut appends slots that
+  // were never used, four at a time; so there is room for four more.
   Array<std::uint32_t, 2 * kVertices + 4> free;
   // Used during a cut. `removed` is in ascending order. `border` has the edges from removed
   // vertices to vertices that stay, and one element more, because an edge is written before it is
@@ -100,6 +104,7 @@ class GrowingRoom : public CellArrays<GrowingArray, 0, 0> {
       planes.resize(2 * planes_wanted);
       open.resize(planes.size());
     }
+    // Loops run to the next multiple of kStep. In FixedRoom, kVertices is one.
     const std::size_t least = vertices + kStep;
     if (x.size() >= least) return true;
     x.resize(2 * least, kNowhere);

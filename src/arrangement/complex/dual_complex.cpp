@@ -225,8 +225,8 @@ class Builder {
     DualTriangle triangle{};
     const auto [vertices, odd] = sorted_vertices(facet);
     triangle.vertices = vertices;
-    // Seen from vertex k of c, the vertices of the facet are counter-clockwise in the order of
-    // kFacetVertices, and so they are in ascending order unless that is odd.
+    // From vertex k of c, the order of kFacetVertices is seen counter-clockwise. From cells[0] the
+    // ascending order must be: so cells[0] is c, or n if sorting was an odd permutation.
     triangle.cells = {odd ? n : c, odd ? c : n};
     for (std::size_t s = 0; s < 2; ++s) {
       triangle.exposed[s] = !out_.cell_in_complex[triangle.cells[s]];
@@ -236,8 +236,8 @@ class Builder {
 
   // Numbers and adds all edges, sorted by their vertices. Edges from ball a to upper balls are
   // those in row a of rows_, which are in triangles, and singular ones. The edges of triangles get
-  // Contact::strict without a test, as DualEdge::contact says. It tells nothing of strict_, which
-  // is about balls.
+  // Contact::strict without a test, because only the contact of singular edges is ever asked for.
+  // It does not make their balls strict, which is what strict_ tells.
   void add_edges(const std::vector<SingularEdge>& singular) {
     SortedRows<UpperBall> alone;  // per ball: its singular edges
     alone.fill(t_.balls.size(), singular.size(), [&](std::size_t i, const auto& add) {
@@ -359,16 +359,15 @@ class Builder {
   }
 
   // Visits the cells around edge ab, from cell c on: visit(cell, x, y), where x and y are the other
-  // two vertices of the cell. If `visit` returns false, the walk stops and returns false. The
-  // auxiliary points surround every ball, so the cells form a closed ring. `link` has the positions
-  // of x and y in the cell. `from` is the vertex beside a and b that the cell shares with the cell
-  // visited before.
+  // two vertices of the cell. If `visit` returns false, the walk stops and returns false. It ends
+  // at c, since the auxiliary points surround every ball and the cells form a closed ring.
   template <class Visitor>
   bool around_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b, Visitor visit) const {
+    // `from` is the one of x and y that the cell shares with the cell visited before.
     std::uint32_t current = c, from = kNoIndex;
     do {
       const auto& cell = t_.cells[current];
-      std::array<std::size_t, 2> link{};
+      std::array<std::size_t, 2> link{};  // positions of x and y in the cell
       std::size_t n = 0;
       for (std::size_t k = 0; k < 4; ++k) {
         if (cell[k] != a && cell[k] != b) link[n++] = k;
@@ -403,8 +402,8 @@ class Builder {
   // vertices that are not yet in the complex, and for those that are there because of simplices of
   // size 0 alone. All others are known to be strict.
   void classify_vertices() {
-    // 1 for vertices about which nothing is left to find out: from the start those that are known
-    // to be strict, and later those that are found to be attached.
+    // 1 for vertices that are known to be strict, and later also for those found to be attached. A
+    // vertex of a cell that keeps 0 is not attached, and so is strict.
     std::vector<std::uint8_t> settled(t_.balls.size(), 1);
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
       if (!out_.in_complex[v] || !strict_[v]) settled[v] = 0;
@@ -461,10 +460,10 @@ class Builder {
   }
 
   // Sets exposed[v], which says that ball v has exposed area. The ball has an exposed point if it
-  // is in the complex and a cell around it is outside. It has area if ball and cell remain so when
-  // all balls shrink a little, and also when all grow a little. The cell does remain outside,
-  // because its size is positive or it has an auxiliary vertex. The ball remains in the complex
-  // when balls grow, and if it is strict, also when they shrink.
+  // is in the complex and a cell around it is outside. A lone point vanishes if all balls shrink a
+  // little, or if all grow; so there is area if ball and cell stay as they are in both cases. The
+  // cell stays outside, because its size is positive or it has an auxiliary vertex. The ball stays
+  // in the complex when balls grow, and if it is strict, also when they shrink.
   void mark_exposed() {
     for_each_cell([&](std::uint32_t c) {
       if (out_.cell_in_complex[c]) return;

@@ -76,9 +76,10 @@ class BoundaryBuilder {
     return {ball(a).center + (exposed.side == 0 ? points.above : points.below), exposed.balls};
   }
 
-  // Computes the frame and the sweep of one arc. The frame is the centre of
-  // the circle and two vectors, `cosine` in the direction `out` of angle 0 and `sine` a quarter
-  // turn further. Angle 0 is at the arc's first corner. On a whole circle it is anywhere.
+  // Computes the frame and the sweep of one arc. The frame is the centre of the circle and two
+  // vectors as long as its radius: `cosine` points to angle 0, and `sine` a quarter turn further,
+  // as BoundaryArc::at() wants them. Angle 0 is at the arc's first corner; on a whole circle it
+  // is anywhere.
   BoundaryArc placed(const CornerArc& exposed) const {
     const Sphere &a = ball(exposed.balls[0]), &b = ball(exposed.balls[1]);
     const EdgeShape shape = edge_shape(a, b);
@@ -125,9 +126,9 @@ class BoundaryBuilder {
   // As a rule the positions of the corners give the angle. On a small circle, the dihedral angles
   // of the triangulation give it instead (arc_angle.hpp). If the positions give an angle below
   // kSmallArc, they cannot tell an arc of almost no length from an arc of almost a whole turn, and
-  // the dihedral angles decide between the two. The sign of the small angle may be due to rounding,
-  // so almost a whole turn is 2 pi plus that angle, which may exceed 2 pi by a rounding error, and
-  // almost no length is its size.
+  // the dihedral angles decide between the two. Rounding may have changed the sign of the small
+  // angle, so an arc of almost no length gets its absolute value. An arc of almost a whole turn
+  // gets 2 pi plus the angle, which may exceed 2 pi by a rounding error.
   double sweep(const CornerArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
                bool small) const {
     if (small) return angle_by_dihedrals(arc);
@@ -239,11 +240,11 @@ class BoundaryBuilder {
   }
 
   // Replaces each set of joined corners by its member of lowest index, which is what
-  // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
-  // anew, in their order; corners in which no arc ends any more are dropped. `joins` grows by the
-  // corners that pairs of joined_ make one. leave_out_arcs() has counted those at the ends of a
-  // short arc already, in `points`. As a rule there is nothing to join; then every corner ends
-  // three arcs and stays.
+  // DisjointSets::find() returns; threads may call it at the same time. Removes the arcs that have
+  // become points. Numbers the corners anew, in their order; corners in which no arc ends any more
+  // are dropped. `joins` counts the pairs of joined_ that were not in one set before. The pairs of
+  // short_arc_ends_ are not counted, because leave_out_arcs() has counted their arcs in `points`.
+  // As a rule there is nothing to join; then every corner ends three arcs and stays.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
@@ -285,8 +286,8 @@ class BoundaryBuilder {
   // Returns whether a slit was closed.
   bool close_slits() {
     const std::vector<Slit> slits = find_slits();
-    // An arc takes part in one closure per call. After it the arc has another ball, with which the
-    // other slits were not found; the next call finds those that are left.
+    // An arc takes part in one closure per call. Afterwards arc a has another ball and arc b is
+    // gone, so the other slits with them are out of date; the next call finds those that are left.
     std::vector<std::uint8_t> changed(slits.empty() ? 0 : out_.arcs.size(), 0);
     std::vector<std::uint32_t> gone;
     for (const auto& [ball, a, b] : slits) {

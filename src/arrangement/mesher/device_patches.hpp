@@ -1,5 +1,5 @@
-// The patches that UnionMesher gives a device, and the thread that makes it mesh them while the
-// rounds go on.
+// The patches that UnionMesher gives a device, and the thread that makes it mesh them while
+// UnionMesher still splits the pieces of arcs, in rounds.
 //
 // A patch none of whose pieces is split in a round is given to the device at once, though a later
 // round may still split one of them: of 4,556 patches of haemoglobin, 1,910 are quiet in the second
@@ -46,9 +46,10 @@ class HostTurns {
 
 class DevicePatches {
  public:
+  // Writes where each point of the job's boundary comes from, as PatchOrder::sources does.
   using Sources = std::function<void(const PatchJob&, std::span<PointSource>)>;
 
-  // For patches of so many balls. `sources` as in PatchOrder. Keeps references.
+  // For patches of so many balls. Keeps references.
   DevicePatches(PatchDevice& device, std::size_t balls, Sources sources, Monitor* monitor);
   // Withdraws everything that the device has not begun, and waits for the rest.
   ~DevicePatches();
@@ -56,9 +57,10 @@ class DevicePatches {
   DevicePatches& operator=(const DevicePatches&) = delete;
 
   // These are for the host, in its turn.
-  // Sends the jobs make(0), ..., make(count - 1). The device begins as soon as it has nothing else
-  // to do, with all that was sent until then; if that is at once, the next let_read() waits until
-  // it has looked at them. No ball may be sent more than twice.
+  // Sends the jobs make(0), ..., make(count - 1). The device takes all that was sent until then
+  // as soon as it has nothing else to do. If it is idle now, the next let_read() waits until it
+  // has looked at these jobs. No ball may be sent more than twice, because jobs_ has room for two
+  // per ball.
   template <class Make>
   void send(std::size_t count, const Make& make) {
     if (count == 0) return;
@@ -85,8 +87,8 @@ class DevicePatches {
   // How many jobs were sent.
   std::size_t sent() const { return jobs_.size(); }
 
-  // Ends the host's turns and calls on_host(). Returns when this has returned and the device has
-  // finished; then all is set in the jobs. Throws what the device or on_host() has thrown.
+  // Ends the host's turns and calls on_host(). Returns when on_host() has returned and the device
+  // has finished; the jobs then hold their results. Throws what the device or on_host() has thrown.
   template <class OnHost>
   void finish(const OnHost& on_host) {
     FirstError error;
@@ -96,9 +98,9 @@ class DevicePatches {
     error.rethrow();
     error_.rethrow();
   }
-  // After finish(): writes the requests of all patches that the device has meshed to `patches`, and
-  // counts these. Returns those of `balls` that neither it nor the host, which has meshed
-  // `of_host`, has meshed.
+  // After finish(): copies the requests of those of `balls` that the device has meshed to
+  // `patches`, and counts them in `stats`. Returns the balls that are still to be meshed: neither
+  // the device has meshed them nor the host, which has meshed `of_host`.
   std::vector<std::uint32_t> take_results(std::span<const std::uint32_t> balls,
                                           std::span<const std::uint32_t> of_host,
                                           std::vector<PatchMesh>& patches,
@@ -125,7 +127,7 @@ class DevicePatches {
   std::size_t ready_ = 0;      // how many jobs the device may have
   bool is_last_ = false;       // nothing more will be sent
   bool is_idle_ = false;       // the thread waits for jobs
-  bool is_announced_ = false;  // and they are there: its first look is announced
+  bool is_announced_ = false;  // jobs came while it was idle: its look at them is announced
   std::jthread thread_;
 };
 

@@ -87,6 +87,8 @@ LocalAtom BlendedBrick<Kind>::local_atom(const Sphere& atom) const {
   for (int axis = 0; axis < 3; ++axis) {
     local.center[axis] = static_cast<float>(atom.center[axis] - geometry_.coordinate[axis][0]);
     for (int node = 0; node < kBrickReach; ++node) {
+      // The term is 0 at planes outside the atom's sub-grid, so sums over nodes need not
+      // ask in_subgrid.
       local.term[axis][node] =
           brick_term<Kind>(model_, node_shape_, geometry_, atom, local.scale, axis, node);
     }
@@ -200,6 +202,7 @@ EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   }
   // If no atom contributes at the vertex, the label is the atom that contributes most at the inside
   // end. There is such an atom, because the field there is at least the isovalue, which is above 0.
+  // meet() keeps the larger of two contributions, and of equal ones that of lower rank.
   if (!(g.strongest.value > 0)) {
     for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
       const float value = add_to_node<Kind>(node_shape_, atoms_[k], edge.inside, 0.0f);

@@ -75,11 +75,12 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
 [[noreturn]] void throw_missing_neighbour(const BrickIndex& brick);
 
 // Index in the list of the neighbour at `slot` (neighbour_slot()) of the brick with that key.
-// Precondition: of the nodes that cells of both bricks have, some are inside and some are outside.
-// Then the surface crosses a cell of the neighbour too, because these nodes are corners of such
-// cells. The brick search keeps every brick with surface, so the neighbour is in the list. Throws
-// InternalError if it is not: using another brick instead would silently produce a wrong mesh. Host
-// only; the device has a search of its own in emit_triangles.cu.
+// Precondition: of the nodes that cells of both bricks have, some are inside and some are
+// outside. Then two of them at the ends of one lattice edge differ, and the surface crosses
+// every cell at this edge, in the neighbour too. The brick search keeps every brick with
+// surface, so the neighbour is in the list. Throws InternalError if it is not: using another
+// brick instead would silently produce a wrong mesh. Host only; the device has a search of its
+// own in emit_triangles.cu.
 inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
   const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
