@@ -70,7 +70,7 @@ VDWMESH_MULTIVERSION std::size_t keep_inside(const Brackets& brackets,
 }
 
 // About so many values of a set are looked at to find brackets.
-constexpr std::size_t kSampleSize = 1 << 14;
+constexpr std::size_t kSampleSize = 1 << 13;
 
 }  // namespace
 
@@ -88,7 +88,11 @@ void add(ValueSummary& sum, const ValueSummary& other) {
 // overlap are joined.
 Brackets brackets_from_sample(std::vector<double> sample) {
   std::erase_if(sample, [](double value) { return std::isnan(value); });
-  std::ranges::sort(sample);
+  const auto value_at = [&](double rank) {
+    const auto place = sample.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(sample.begin(), place, sample.end());
+    return *place;
+  };
   const auto size = static_cast<double>(sample.size());
   Brackets result;
   result.count = 0;
@@ -97,8 +101,8 @@ Brackets brackets_from_sample(std::vector<double> sample) {
     const double margin = 6 * std::sqrt(share * (1 - share) * size) + 8;
     const double first = share * size - margin, last = share * size + margin;
     Brackets::Interval interval;
-    if (first >= 0) interval.lower = sample[static_cast<std::size_t>(first)];
-    if (last < size) interval.upper = sample[static_cast<std::size_t>(last)];
+    if (first >= 0) interval.lower = value_at(first);
+    if (last < size) interval.upper = value_at(last);
     if (result.count > 0 && interval.lower <= result.intervals[result.count - 1].upper) {
       result.intervals[result.count - 1].upper = interval.upper;
     } else {

@@ -160,12 +160,14 @@ void visit_shapes(const MeshPart& part,
 }
 
 std::size_t usual_sample_step(std::uint64_t triangles) {
-  constexpr std::uint64_t kSample = 1 << 14;  // triangles
+  constexpr std::uint64_t kSample = 1 << 13;  // triangles
   return static_cast<std::size_t>(triangles / kSample + 1) | 1;
 }
 
 QualitySample sample_quality(const MeshPart& part, std::size_t step) {
   QualitySample sample;
+  constexpr std::size_t kFew = 1 << 16;  // values of fewer triangles are kept, which is less work
+  if (part.triangles < kFew) return sample;
   Shapes shapes;
   for (std::size_t t = 0; t < part.triangles; t += step) {
     const auto& [a, b, c] = part.mesh.triangles[t];

@@ -25,6 +25,7 @@ void visit_shapes(
     const std::function<void(std::size_t first, const TriangleShapes& shapes)>& visit);
 
 // Values of every step-th own triangle: in all much like a random sample of the part's values.
+// Empty for a part of few triangles, so that all of their values are kept.
 struct QualitySample {
   std::vector<double> min_angles_deg, aspect_ratios, edge_lengths;
 };

@@ -6,12 +6,15 @@
 // three half-edges per triangle and half as many edges.
 #include "analysis/stage_bytes.hpp"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 
 #include "analysis/distances_tree.hpp"
 #include "analysis/facet_tree.hpp"
 #include "core/vec3.hpp"
 #include "mesh/edge_buckets.hpp"
+#include "mesh/groups_by_range.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace vdwmesh {
@@ -55,10 +58,15 @@ std::uint64_t measures_bytes(const MeshSize& m) {
   const std::uint64_t connected = m.vertices * kIndex;
   const std::uint64_t by_range = 3 * m.triangles / 2 * kIndex;
   const std::uint64_t shells = m.triangles * kIndex + m.vertices * kIndex;
-  // Of two values of each triangle, or of one of each edge, a twentieth is kept for the
-  // percentiles; they are copied once, from arrays that may have grown to twice their size.
-  const std::uint64_t kept = 3 * (2 * m.triangles * sizeof(double)) / 20;
-  return connected + std::max(by_range, shells) + kept;
+  // Of two values of each triangle, or of one of each edge, a tenth is kept for the percentiles, or
+  // all if the triangles are few; they are copied once, from arrays that may have grown to twice
+  // their size. Every thread has the corners, edges and lengths of a range of vertices.
+  constexpr std::uint64_t kFewTriangles = 1 << 16, kScratch = std::uint64_t{9} << 18;
+  const std::uint64_t values = 2 * m.triangles * sizeof(double);
+  const std::uint64_t kept = m.triangles < kFewTriangles ? 3 * values : 3 * values / 10;
+  const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
+  const std::uint64_t ranges = (m.vertices + kVerticesPerRange - 1) / kVerticesPerRange;
+  return connected + std::max(by_range, shells) + kept + kScratch * std::min(threads, ranges);
 }
 
 std::uint64_t measures_of_soup_bytes(const MeshSize& m) {

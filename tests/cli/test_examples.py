@@ -17,7 +17,7 @@ import binary_cif
 from documented import CODE, FENCE
 from program import PROGRAM, SOURCE_DIR, UBIQUITIN, ProgramTest, is_required, need_package, parse_json
 
-RUN = ("README.md", "docs/batch.md", "docs/pictures.md", "docs/scale.md", "docs/verbs.md")
+RUN = ("README.md", "docs/batch.md", "docs/exact_mesh.md", "docs/pictures.md", "docs/scale.md", "docs/verbs.md")
 PROSE = ("README.md", "docs/concepts.md", "docs/index.md", "docs/install.md", "docs/pictures.md", "docs/start.md",
          "docs/python.md", "docs/distances.md", "docs/excluded_surface.md", "docs/refinement.md", "data/README.md",
          *sorted(str(p.relative_to(SOURCE_DIR)) for p in (SOURCE_DIR / "docs" / "tasks").glob("*.md")))  # fmt: skip
@@ -46,6 +46,7 @@ ELSEWHERE = {
     ("docs/mutations.md", "tests/mutation/mutate.py"): "a person: it takes hours",
     ("docs/robustness.md", "$ vdwmesh report 6ZU5"): "a person, on a machine with the entry; test_options.py with smaller ones",
     ("docs/scale.md", "#!/bin/bash"): "a cluster with Slurm",
+    ("docs/scale.md", "mpirun -n P"): "a person, on a host with 32 cores",
     ("docs/scale.md", "mpirun -n 2 --bind-to socket"): "a machine of two sockets; test_ranks.py without binding",
     ("docs/start.md", "scripts/demo.sh"): "test_documents.py says what",
     ("docs/tasks/thesis.md", "vdwmesh bench thesis"): "test_documents.py says what",
