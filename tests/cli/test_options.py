@@ -207,7 +207,7 @@ class Limits(ProgramTest):
         surfaces = (("--spacing", "0.4", "--subdivide", "1"),
                     ("--mesher", "exact", "--edge-length", "0.4", "--subdivide", "1"))  # fmt: skip
         for surface in surfaces[:1] if SANITIZED else surfaces:
-            arguments = ["report", UBIQUITIN, *surface, "--memory-limit", "70M", *quick]
+            arguments = ["report", UBIQUITIN, *surface, "--memory-limit", "55M", *quick]
             refused = self.assert_refused(LIMIT_HIT, *arguments, says=("of memory",))
             named = re.findall(r"(--[a-z-]+) ([0-9.]+M?)", refused.stderr)
             step = surface[-4]
