@@ -16,7 +16,7 @@ namespace vdwmesh {
 using EightMasks = std::int32_t __attribute__((vector_size(8 * sizeof(std::int32_t))));
 
 // Sets bit i of the result if lane i is true.
-VDWMESH_INLINE std::uint32_t bits_of(const EightMasks& lanes) {
+VDWMESH_INLINE std::uint32_t bits_of_eight(const EightMasks& lanes) {
 #if defined(__SSE2__)
   using Half = float __attribute__((vector_size(16)));
   Half low, high;
@@ -75,7 +75,7 @@ VDWMESH_INLINE std::uint32_t BoxLanes::overlapping(std::size_t i, std::size_t fi
     all &= floats_at(&lower_[axis][first]) <= Floats{} + upper_[axis][i];
     all &= floats_at(&upper_[axis][first]) >= Floats{} + lower_[axis][i];
   }
-  return bits_of(all);
+  return bits_of_eight(all);
 }
 
 }  // namespace vdwmesh

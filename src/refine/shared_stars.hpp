@@ -50,7 +50,7 @@ VDWMESH_INLINE std::uint32_t SharedStars::shared(std::size_t i, std::size_t firs
     for (const auto& stars : star_) equal |= own == Ids{} + stars[i];
     found |= equal & (own != Ids{} + StarFans::kNone);
   }
-  return bits_of(found);
+  return bits_of_eight(found);
 }
 
 }  // namespace vdwmesh
