@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "batch/molecule_spheres.hpp"
@@ -18,12 +19,47 @@
 
 namespace vdwmesh {
 
+// A number that may be written as 1e8.
+inline std::uint64_t count_of(const std::string& text) {
+  return static_cast<std::uint64_t>(std::stod(text));
+}
+
 struct LatticeOptions {
   std::string file;
   ReadOptions read;
   std::uint64_t atoms = 1'000'000, seed = 1;  // as many copies as these atoms take
   double pitch = 0;                           // Å; 0: no two copies can touch
 };
+
+// Reads the command line of a bench that makes a lattice: the name of the structure file, and
+// options with a value each. take(name, value) takes an option of the bench's own, and returns
+// whether there is one of that name. Throws InvalidInput.
+template <class Take>
+LatticeOptions read_lattice_options(int argc, char** argv, const Take& take) {
+  LatticeOptions lattice;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view name = argv[i];
+    if (name.substr(0, 2) != "--") {
+      lattice.file = name;
+      continue;
+    }
+    if (i + 1 == argc) throw InvalidInput(std::string(name) + ": needs a value");
+    const std::string value = argv[++i];
+    if (name == "--assembly") {
+      lattice.read.assembly = value;
+    } else if (name == "--atoms") {
+      lattice.atoms = count_of(value);
+    } else if (name == "--seed") {
+      lattice.seed = count_of(value);
+    } else if (name == "--pitch") {
+      lattice.pitch = std::stod(value);
+    } else if (!take(name, value)) {
+      throw InvalidInput(std::string(name) + ": is no option");
+    }
+  }
+  if (lattice.file.empty()) throw InvalidInput("name a structure file");
+  return lattice;
+}
 
 class Lattice {
  public:

@@ -29,32 +29,17 @@ struct Arguments {
 
 Arguments read_arguments(int argc, char** argv) {
   Arguments o;
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view name = argv[i];
-    if (name.substr(0, 2) != "--") {
-      o.lattice.file = name;
-      continue;
-    }
-    if (i + 1 == argc) throw InvalidInput(fmt::format("{}: needs a value", name));
-    const std::string value = argv[++i];
-    const auto number = [&] { return static_cast<std::uint64_t>(std::stod(value)); };  // 1e8 too
-    if (name == "--assembly") {
-      o.lattice.read.assembly = value;
-    } else if (name == "--atoms") {
-      o.lattice.atoms = number();
-    } else if (name == "--seed") {
-      o.lattice.seed = number();
-    } else if (name == "--pitch") {
-      o.lattice.pitch = std::stod(value);
-    } else if (name == "--first") {
-      o.first = number();
-    } else if (name == "--copies") {
-      o.copies = number();
-    } else {
-      throw InvalidInput(fmt::format("{}: is no option", name));
-    }
-  }
-  if (o.lattice.file.empty()) throw InvalidInput("name a structure file");
+  o.lattice =
+      read_lattice_options(argc, argv, [&](std::string_view name, const std::string& value) {
+        if (name == "--first") {
+          o.first = count_of(value);
+        } else if (name == "--copies") {
+          o.copies = count_of(value);
+        } else {
+          return false;
+        }
+        return true;
+      });
   return o;
 }
 

@@ -58,37 +58,29 @@ struct Arguments {
 
 Arguments read_arguments(int argc, char** argv) {
   Arguments o;
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view name = argv[i];
-    if (name.substr(0, 2) != "--") {
-      o.lattice.file = name;
-      continue;
-    }
-    if (i + 1 == argc) throw InvalidInput(fmt::format("{}: needs a value", name));
-    const std::string value = argv[++i];
-    if (name == "--atoms") {
-      o.lattice.atoms = static_cast<std::uint64_t>(std::stod(value));
-    } else if (name == "--exact") {
-      o.exact = value;
-    } else if (name == "--mesh") {
-      o.spacing = std::stod(value);
-    } else if (name == "--repeats") {
-      o.repeats = std::stoi(value);
-    } else if (name == "--threads") {
-      o.threads = std::stoi(value);
-    } else if (name == "--devices") {
-      o.devices = std::stoi(value);
-    } else if (name == "--backend") {
-      o.backend = value == "cuda" ? Backend::cuda : Backend::cpu;
-    } else if (name == "--stages") {
-      o.stages = value == "1";
-    } else if (name == "--check") {
-      o.check = value == "1";
-    } else {
-      throw InvalidInput(fmt::format("{}: is no option", name));
-    }
-  }
-  if (o.lattice.file.empty()) throw InvalidInput("name a structure file");
+  o.lattice =
+      read_lattice_options(argc, argv, [&](std::string_view name, const std::string& value) {
+        if (name == "--exact") {
+          o.exact = value;
+        } else if (name == "--mesh") {
+          o.spacing = std::stod(value);
+        } else if (name == "--repeats") {
+          o.repeats = std::stoi(value);
+        } else if (name == "--threads") {
+          o.threads = std::stoi(value);
+        } else if (name == "--devices") {
+          o.devices = std::stoi(value);
+        } else if (name == "--backend") {
+          o.backend = value == "cuda" ? Backend::cuda : Backend::cpu;
+        } else if (name == "--stages") {
+          o.stages = value == "1";
+        } else if (name == "--check") {
+          o.check = value == "1";
+        } else {
+          return false;
+        }
+        return true;
+      });
   return o;
 }
 

@@ -13,7 +13,6 @@
 
 #include "contract/exact_mesher_contract.hpp"
 #include "core/errors.hpp"
-#include "support/crease_tolerance.hpp"
 #include "support/dice.hpp"
 #include "support/sharp_corners.hpp"
 #include "support/sphere_recipes.hpp"
@@ -95,15 +94,8 @@ TEST_P(ExactMesherAngles, SetsOfAllKinds) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", " + std::string(recipe.name));
     try {
       const ExactMesh made = bounded_mesh(set.spheres, 20, set.edge_length);
-      Demands demands;
-      demands.distance = allowed_distance(set.spheres, made.stats);
-      if (recipe.position == Position::nearly_degenerate) {
-        demands.topology = Topology::parted;
-        demands.euler_difference = made.stats.euler_difference;
-        demands.shell_difference = made.stats.shell_difference;
-      }
-      demands.largest_searched = 0;  // other tests search for self-intersections
-      expect_union_mesh(set.spheres, made.mesh, exact_union(set.spheres), demands);
+      expect_union_mesh(set.spheres, made.mesh, exact_union(set.spheres),
+                        demands_of_set(set, made.stats));
       if (recipe.position == Position::general) {
         EXPECT_EQ(bounded_angles(set.spheres, made.mesh, 20).below, made.stats.below_min_angle);
       }

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "support/crease_tolerance.hpp"
+
 namespace vdwmesh::testing {
 namespace {
 
@@ -165,6 +167,18 @@ std::vector<Vec3d> icosahedron_corners() {
     }
   }
   return corners;
+}
+
+Demands demands_of_set(const SeededSet& set, const ExactMeshStats& stats) {
+  Demands demands;
+  demands.distance = allowed_distance(set.spheres, stats);
+  if (sphere_recipes()[set.recipe].position == Position::nearly_degenerate) {
+    demands.topology = Topology::parted;
+    demands.euler_difference = stats.euler_difference;
+    demands.shell_difference = stats.shell_difference;
+  }
+  demands.largest_searched = 0;
+  return demands;
 }
 
 }  // namespace vdwmesh::testing

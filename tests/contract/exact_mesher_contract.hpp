@@ -12,6 +12,7 @@
 #include "contract/extractor_contract.hpp"
 #include "refine/refiner.hpp"
 #include "support/crease_survey.hpp"
+#include "support/sphere_recipes.hpp"
 #include "support/union_verdict.hpp"
 
 namespace vdwmesh::testing {
@@ -48,6 +49,10 @@ IndexedMesh subdivided(const SphereSet& spheres, const IndexedMesh& mesh, int le
 // Everything the contract says of one mesh of the union, of any level.
 void expect_union_mesh(const SphereSet& spheres, const IndexedMesh& mesh, const ExactUnion& exact,
                        const Demands& demands);
+
+// What to demand of the mesh of a set of any kind: one that is nearly degenerate has the topology
+// that the mesher has announced. Nothing is searched for self-intersections, for time.
+Demands demands_of_set(const SeededSet& set, const ExactMeshStats& stats);
 
 // The same of mesh_at() and of its subdivisions. Returns the mesh before them.
 IndexedMesh expect_union_meshes(const SphereSet& spheres, double edge_length, int levels,

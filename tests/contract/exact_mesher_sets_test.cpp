@@ -10,7 +10,6 @@
 
 #include "contract/exact_mesher_contract.hpp"
 #include "core/errors.hpp"
-#include "support/crease_tolerance.hpp"
 #include "support/sphere_recipes.hpp"
 
 namespace vdwmesh::testing {
@@ -30,15 +29,8 @@ TEST_P(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", " + std::string(recipe.name));
     try {
       const ExactMesh made = mesh_at(set.spheres, set.edge_length);
-      Demands demands;
-      demands.distance = allowed_distance(set.spheres, made.stats);
-      if (recipe.position == Position::nearly_degenerate) {
-        demands.topology = Topology::parted;
-        demands.euler_difference = made.stats.euler_difference;
-        demands.shell_difference = made.stats.shell_difference;
-      }
-      demands.largest_searched = 0;  // other tests search for self-intersections
-      expect_union_mesh(set.spheres, made.mesh, exact_union(set.spheres), demands);
+      expect_union_mesh(set.spheres, made.mesh, exact_union(set.spheres),
+                        demands_of_set(set, made.stats));
     } catch (const LimitExceeded&) {
       EXPECT_EQ(recipe.name, "pencils");
       ++refused;

@@ -59,8 +59,13 @@ Sphere scaled(const Sphere& s, int exponent) {
           std::ldexp(s.radius, -exponent)};
 }
 
-}  // namespace
-
+// The lower corner of the box around all balls, and a length that no side of the box exceeds. It is
+// at least 2^-40 of every coordinate, so that adding it to them survives rounding. Throws
+// InvalidInput if coordinates of up to 32 times this length would not be finite.
+struct Extent {
+  Vec3d lower;
+  double reach;
+};
 Extent extent_of(const std::vector<Sphere>& balls) {
   Vec3d lower = balls[0].center, upper = lower;
   for (const Sphere& b : balls) {
@@ -78,6 +83,20 @@ Extent extent_of(const std::vector<Sphere>& balls) {
   // With room for sums.
   if (!std::isfinite(64 * reach)) throw InvalidInput("the spheres' extent overflows a double");
   return {lower, reach};
+}
+
+}  // namespace
+
+// A corner below the bounding box and three points along the axes from there. With the box's size
+// at most `reach`, every point of the box has coordinates of 4 to 5 reach from the corner. Their
+// sum is at most 15 reach, and the far facet is where the sum is 32 reach. So every ball is far
+// inside.
+std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
+  const auto [lower, reach] = extent_of(balls);
+  const Vec3d corner = lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
+  std::array<Vec3d, 4> points{corner, corner, corner, corner};
+  for (int k = 0; k < 3; ++k) points[static_cast<std::size_t>(k) + 1][k] += 32 * reach;
+  return points;
 }
 
 BallFrame ball_frame(const SphereSet& spheres) {

@@ -1,6 +1,7 @@
 // The balls of an arrangement, in an order that follows from their places.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -38,13 +39,8 @@ BallFrame ball_frame(const SphereSet& spheres);
 PlacedBalls placed_balls(const SphereSet& spheres);
 PlacedBalls placed_balls(const SphereSet& spheres, const BallFrame& frame);
 
-// The lower corner of the box around all balls, and a length that no side of the box exceeds. It is
-// at least 2^-40 of every coordinate, so that adding it to them survives rounding. Throws
-// InvalidInput if coordinates of up to 32 times this length would not be finite.
-struct Extent {
-  Vec3d lower;
-  double reach;
-};
-Extent extent_of(const std::vector<Sphere>& balls);
+// The corners of a tetrahedron around all balls, far outside of each of them. Throws InvalidInput
+// if their coordinates would not be finite.
+std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls);
 
 }  // namespace vdwmesh

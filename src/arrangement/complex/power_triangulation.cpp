@@ -19,18 +19,6 @@
 namespace vdwmesh {
 namespace {
 
-// Returns the corners of a large tetrahedron around all balls: a corner below the bounding box and
-// three points along the axes from there. With the box's size at most `reach`, every point of the
-// box has coordinates of 4 to 5 reach from the corner. Their sum is at most 15 reach, and the far
-// facet is where the sum is 32 reach. So every ball is far inside.
-std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
-  const auto [lower, reach] = extent_of(balls);
-  const Vec3d corner = lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
-  std::array<Vec3d, 4> points{corner, corner, corner, corner};
-  for (int k = 0; k < 3; ++k) points[static_cast<std::size_t>(k) + 1][k] += 32 * reach;
-  return points;
-}
-
 // Puts the cells in the order of their vertices, sorted by the lowest one first, so that cells near
 // in space are near in memory, and the order is that of any other list of the same cells. A
 // counting sort by the lowest vertex on all cores, which leaves the cells of one vertex in any

@@ -33,20 +33,11 @@ CellMap map_of(const RegularCells& cells) {
   return map;
 }
 
-// The corners of a tetrahedron around all balls, far outside.
-std::array<Vec3d, 4> points_around(const std::vector<Sphere>& balls) {
-  const auto [lower, reach] = extent_of(balls);
-  const Vec3d corner = lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
-  std::array<Vec3d, 4> points{corner, corner, corner, corner};
-  for (int k = 0; k < 3; ++k) points[static_cast<std::size_t>(k) + 1][k] += 32 * reach;
-  return points;
-}
-
 // Returns whether the balls are without ties; if so, the cells were compared. `takes` chooses
 // cells.
 bool compare(const std::vector<Sphere>& spheres, const TakesCell& takes) {
   const std::vector<Sphere> balls = placed_balls(SphereSet(spheres)).balls;
-  const std::array<Vec3d, 4> auxiliary = points_around(balls);
+  const std::array<Vec3d, 4> auxiliary = auxiliary_points(balls);
   std::vector<std::uint32_t> indices(balls.size());
   std::iota(indices.begin(), indices.end(), 0u);
   constexpr std::uint8_t kUntouched = 7;
