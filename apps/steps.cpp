@@ -342,6 +342,13 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
   session.end_stage(&Timing::self_intersections);
 }
 
+std::vector<RgbColor> element_colors(const Molecule& molecule) {
+  std::vector<RgbColor> colors;
+  colors.reserve(molecule.atoms.size());
+  for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
+  return colors;
+}
+
 void build_colored(const IndexedMesh& mesh, const Molecule& molecule, SurfaceMeshBuilder& builder) {
   SurfaceMesh& surface = builder.build(mesh);
   std::vector<std::string> elements;

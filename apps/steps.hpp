@@ -7,6 +7,7 @@
 
 #include "arrangement/exact_mesher.hpp"
 #include "batch/molecule_spheres.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "mesh/surface_mesh_builder.hpp"
 #include "options.hpp"
@@ -96,6 +97,8 @@ void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mes
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles);
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session);
 
+// The CPK colour of each atom.
+std::vector<RgbColor> element_colors(const Molecule& molecule);
 // The half-edge mesh with normals, atoms and CPK colours, where the builder makes it. The second
 // function ends the stage.
 void build_colored(const IndexedMesh& mesh, const Molecule& molecule, SurfaceMeshBuilder& builder);

@@ -1,6 +1,6 @@
 // `vdwmesh mesh`: from a structure to a mesh file. Memory is checked before the mesh is made, from
 // an estimate, and again when its size is known. The mesh is measured while its file is written,
-// unless memory is too little for both.
+// unless the half-edges leave too little memory for both.
 //
 // PLY, the default, is written from the arrays of the mesh. The writers of the other formats and of
 // patches want half-edges, which are built first; where a device makes the mesh, the CPU makes room
@@ -19,7 +19,6 @@
 #include "excluded_steps.hpp"
 #include "interrupt.hpp"
 #include "memory_plan.hpp"
-#include "mesh/element_color.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/patch_properties.hpp"
 #include "mesh/triangle_check.hpp"
@@ -99,7 +98,8 @@ void make(const Structure& structure, const Options& options, Made& made, Sessio
                         {.connectivity = demand.connectivity, .on_size = prepare});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, made.mesh, limit);
-  check_triangle_count(made.mesh.triangle_count());  // before the file is written
+  // What measuring would refuse is refused before the file is written.
+  check_triangle_count(made.mesh.triangle_count());
   measure_now_or_later(made.mesh, demand, made, session);
   if (!made.is_measured || !builds) return;
   build_surface_mesh(made.mesh, structure.molecule, made.builder, session);
@@ -125,14 +125,6 @@ void make_excluded(const Structure& structure, const Options& options, Made& mad
   if (!made.is_measured) made.mesh = std::move(patched.mesh);
 }
 
-// The colour of each sphere.
-std::vector<RgbColor> colors_of(const Molecule& molecule) {
-  std::vector<RgbColor> colors;
-  colors.reserve(molecule.atoms.size());
-  for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
-  return colors;
-}
-
 // Writes the file, from half-edges where it wants these, and measures the mesh meanwhile, as far as
 // that was left to this function. Formats that cannot hold all that the mesh knows are named in a
 // note.
@@ -148,7 +140,7 @@ void write(Made& made, const Options& options, const Structure& structure, Sessi
       if (builds) {
         warnings = write_mesh(made.built, path, &signals);
       } else {
-        write_ply(made.mesh, colors_of(structure.molecule), path, &signals);
+        write_ply(made.mesh, element_colors(structure.molecule), path, &signals);
       }
     });
   };

@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 
 #include <bit>
 #include <chrono>

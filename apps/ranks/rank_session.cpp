@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "mesh/element_color.hpp"
 #include "steps.hpp"
 
 namespace vdwmesh::apps {
@@ -41,9 +40,7 @@ SharedStructure load_together(const Ranks& ranks, const InputOptions& options, S
 
 HostArray<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule) {
   std::vector<RgbColor> colors;
-  ranks.together([&] {
-    for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
-  });
+  ranks.together([&] { colors = element_colors(molecule); });
   return {ranks, colors};
 }
 

@@ -45,8 +45,11 @@ py::dict summary(const MeshHandle& h) {
 py::dict quality(const MeshHandle& h, bool with_self_intersections) {
   std::optional<std::uint64_t> crossings;
   const MeshExamination found = call({}, [&](Monitor& monitor) {
-    if (with_self_intersections) crossings = self_intersections(*h.mesh, &monitor);
-    return examine(*h.mesh);
+    const MeshExamination examined = examine(*h.mesh);
+    if (with_self_intersections) {
+      crossings = self_intersections(*h.mesh, &monitor, edges_of(examined.topology));
+    }
+    return examined;
   });
   py::dict result = dict_of(found.topology, found.measures);
   result["degenerate_triangles"] = found.quality.degenerate_triangles;

@@ -114,28 +114,28 @@ Brackets brackets_from_sample(std::vector<double> sample) {
 }
 
 void BracketedValues::add(std::span<const double> block) {
-  Part& part = parts_.local();
-  part.summary.sum.add(block);
-  survey_block(part.summary, brackets_, block);
-  part.kept.resize(std::max(part.kept.size(), block.size()));
-  const std::size_t kept = keep_inside(brackets_, block, part.kept.data());
-  for (const double value : std::span(part.kept).first(kept)) {
+  OfThread& mine = threads_.local();
+  mine.summary.sum.add(block);
+  survey_block(mine.summary, brackets_, block);
+  mine.kept.resize(std::max(mine.kept.size(), block.size()));
+  const std::size_t kept = keep_inside(brackets_, block, mine.kept.data());
+  for (const double value : std::span(mine.kept).first(kept)) {
     std::size_t i = 0;
     while (!is_inside(brackets_.intervals[i], value)) ++i;
-    part.inside[i].push_back(value);
+    mine.inside[i].push_back(value);
   }
 }
 
 ValueSummary BracketedValues::summary() const {
   ValueSummary summary;
-  for (const Part& part : parts_) vdwmesh::add(summary, part.summary);
+  for (const OfThread& theirs : threads_) vdwmesh::add(summary, theirs.summary);
   return summary;
 }
 
 Buffer<double> BracketedValues::inside(std::size_t i) const {
   Buffer<double> values;
-  for (const Part& part : parts_)
-    values.insert(values.end(), part.inside[i].begin(), part.inside[i].end());
+  for (const OfThread& theirs : threads_)
+    values.insert(values.end(), theirs.inside[i].begin(), theirs.inside[i].end());
   return values;
 }
 
@@ -150,7 +150,7 @@ std::optional<Distribution> distribution_of(const BracketedValues& values) {
     const std::size_t i = brackets.of_percentile[p];
     const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
     if (rank < all.below[i] || rank - all.below[i] >= inside[i].size()) {
-      if (!keep_everything(brackets)) return std::nullopt;
+      if (!is_everything(brackets)) return std::nullopt;
       percentiles[p] = kNone;
       continue;
     }
@@ -167,16 +167,12 @@ Distribution distribution_of(std::span<const double> values) {
   std::vector<double> sample;
   const std::size_t step = (values.size() / kSampleSize + 1) | 1;
   for (std::size_t i = 0; i < values.size(); i += step) sample.push_back(values[i]);
-  const auto with = [&](const Brackets& brackets) {
-    BracketedValues bracketed(brackets);
+  return distribution_by_sample(std::move(sample), [&](BracketedValues& bracketed) {
     for_each_block(values.size(), kValuesPerBlock,
                    [&](std::size_t, std::size_t first, std::size_t last) {
                      bracketed.add(values.subspan(first, last - first));
                    });
-    return distribution_of(bracketed);
-  };
-  if (const auto found = with(brackets_from_sample(std::move(sample)))) return *found;
-  return *with(bracket_of_everything());
+  });
 }
 
 }  // namespace vdwmesh

@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "analysis/mesh_measures.hpp"
@@ -43,14 +44,14 @@ struct Brackets {
 
 // One interval for all values, so that every value is kept and no percentile can be missed.
 inline Brackets bracket_of_everything() { return {}; }
-inline bool keep_everything(const Brackets& brackets) {
+inline bool is_everything(const Brackets& brackets) {
   const auto& [lower, upper] = brackets.intervals[0];
   return brackets.count == 1 && lower == 0 && upper == std::numeric_limits<double>::infinity();
 }
 
 // Brackets from a sample of the set, in any order. The more it is like a random sample, the
-// likelier the brackets contain the percentiles; a sample of 10,000 values leaves about 5 % of the
-// set inside. Values that are NaN are left out.
+// likelier the brackets contain the percentiles; a sample of 10,000 values leaves about a tenth of
+// the set inside. Values that are NaN are left out.
 Brackets brackets_from_sample(std::vector<double> sample);
 
 // What parts of a set of values add up to.
@@ -82,19 +83,32 @@ class BracketedValues {
   Buffer<double> inside(std::size_t i) const;
 
  private:
-  struct Part {
+  struct OfThread {
     ValueSummary summary;
     std::array<std::vector<double>, kPercentiles.size()> inside;
     std::vector<double> kept;  // those of the present block that are in some interval
   };
 
   Brackets brackets_;
-  tbb::enumerable_thread_specific<Part> parts_;
+  tbb::enumerable_thread_specific<OfThread> threads_;
 };
 
 // The distribution of all values that were added. Nothing if a percentile is outside of its
 // bracket: then the values have to be made again, for bracket_of_everything(). With that bracket
 // there always is a result; percentiles are NaN where values that are NaN hide them.
 std::optional<Distribution> distribution_of(const BracketedValues& values);
+
+// The distribution of the values that add_all(values) adds to the BracketedValues that it gets: at
+// first with brackets from the sample, and once more, for everything, if a percentile was missed.
+template <class AddAll>
+Distribution distribution_by_sample(std::vector<double> sample, const AddAll& add_all) {
+  const auto with = [&](const Brackets& brackets) {
+    BracketedValues values(brackets);
+    add_all(values);
+    return distribution_of(values);
+  };
+  const std::optional<Distribution> found = with(brackets_from_sample(std::move(sample)));
+  return found ? *found : with(bracket_of_everything()).value();
+}
 
 }  // namespace vdwmesh

@@ -10,7 +10,6 @@
 #include "analysis/edge_survey.hpp"
 #include "analysis/quality_parts.hpp"
 #include "analysis/shell_sums.hpp"
-#include "analysis/vertex_survey.hpp"
 #include "core/blocks.hpp"
 #include "surface/box.hpp"
 
@@ -47,17 +46,13 @@ MeshSummary summarize(const IndexedMesh& mesh) { return summarize(mesh, nullptr)
 
 MeshExamination examine(const IndexedMesh& mesh) {
   QualitySample sample = sample_quality(whole(mesh), usual_sample_step(mesh.triangle_count()));
-  BracketedValues lengths(brackets_from_sample(std::move(sample.edge_lengths)));
-  const MeshSummary summary = summarize(mesh, &lengths);
-  auto edge_length = distribution_of(lengths);
-  if (!edge_length) {  // a percentile is outside of its bracket
-    BracketedValues all(bracket_of_everything());
-    survey_part(whole(mesh), {&all});
-    edge_length = distribution_of(all);
-  }
+  MeshSummary summary;
+  const Distribution edge_length = distribution_by_sample(
+      std::move(sample.edge_lengths),
+      [&](BracketedValues& lengths) { summary = summarize(mesh, &lengths); });
   MeshExamination result{summary.topology, summary.measures,
                          quality_of_triangles(mesh, std::move(sample))};
-  result.quality.edge_length = edge_length.value();
+  result.quality.edge_length = edge_length;
   return result;
 }
 

@@ -77,8 +77,8 @@ struct MeshSummary {
 };
 MeshSummary summarize(const IndexedMesh& mesh);
 
-// The results of topology(), measures() and quality() together. The edges are gathered once, so
-// this takes two thirds of the time of the three calls.
+// The results of topology(), measures() and quality() together. The edges are surveyed once,
+// not once for each.
 struct MeshExamination {
   MeshTopology topology;
   MeshMeasures measures;

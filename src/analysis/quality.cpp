@@ -166,8 +166,7 @@ std::size_t usual_sample_step(std::uint64_t triangles) {
 
 QualitySample sample_quality(const MeshPart& part, std::size_t step) {
   QualitySample sample;
-  constexpr std::size_t kFew = 1 << 16;  // values of fewer triangles are kept, which is less work
-  if (part.triangles < kFew) return sample;
+  if (part.triangles < kFewTriangles) return sample;
   Shapes shapes;
   for (std::size_t t = 0; t < part.triangles; t += step) {
     const auto& [a, b, c] = part.mesh.triangles[t];
@@ -205,15 +204,11 @@ MeshQuality quality_of_triangles(const IndexedMesh& mesh, QualitySample sample) 
 MeshQuality quality(const IndexedMesh& mesh) {
   const MeshPart part = whole(mesh);
   QualitySample sample = sample_quality(part, usual_sample_step(mesh.triangle_count()));
-  const auto lengths_in = [&](const Brackets& brackets) {
-    BracketedValues lengths(brackets);
-    survey_part(part, {&lengths});
-    return distribution_of(lengths);
-  };
-  auto lengths = lengths_in(brackets_from_sample(std::move(sample.edge_lengths)));
-  if (!lengths) lengths = lengths_in(bracket_of_everything());
+  const Distribution edge_length =
+      distribution_by_sample(std::move(sample.edge_lengths),
+                             [&](BracketedValues& lengths) { survey_part(part, {&lengths}); });
   MeshQuality result = quality_of_triangles(mesh, std::move(sample));
-  result.edge_length = lengths.value();
+  result.edge_length = edge_length;
   return result;
 }
 
@@ -254,13 +249,13 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   const auto of_ratios = [](std::span<const double> ratios) {
     return histogram(ratios, BinScale::logarithmic, 1, 1024, 40);
   };
-  struct Part {
+  struct OfThread {
     Histogram angles, ratios;
     std::vector<double> moved;
   };
-  tbb::enumerable_thread_specific<Part> parts(Part{of_angles({}), of_ratios({}), {}});
+  tbb::enumerable_thread_specific<OfThread> threads(OfThread{of_angles({}), of_ratios({}), {}});
   visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
-    Part& mine = parts.local();
+    OfThread& mine = threads.local();
     const auto add_moved = [&](std::span<const double> values, const auto& move, Histogram& sum,
                                const auto& make) {
       mine.moved.resize(values.size());
@@ -276,7 +271,7 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   });
   result.min_angle_deg = of_angles({});
   result.aspect_ratio = of_ratios({});
-  for (const Part& mine : parts) {
+  for (const OfThread& mine : threads) {
     add(result.min_angle_deg, mine.angles);
     add(result.aspect_ratio, mine.ratios);
   }

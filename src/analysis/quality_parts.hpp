@@ -24,6 +24,9 @@ void visit_shapes(
     const MeshPart& part,
     const std::function<void(std::size_t first, const TriangleShapes& shapes)>& visit);
 
+// All values of fewer triangles are kept, which is less work than a sample.
+inline constexpr std::size_t kFewTriangles = std::size_t{1} << 16;
+
 // Values of every step-th own triangle: in all much like a random sample of the part's values.
 // Empty for a part of few triangles, so that all of their values are kept.
 struct QualitySample {

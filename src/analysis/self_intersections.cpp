@@ -44,7 +44,7 @@ bool do_intersect(const Facet& a, const Facet& b) {
 using LeafStars = std::array<std::uint32_t, 3>;
 
 // Whether the triangles of a leaf are those of a patch, all there in their order.
-bool is_patch(const FacetTree& tree, std::size_t leaf) {
+bool leaf_is_patch(const FacetTree& tree, std::size_t leaf) {
   constexpr std::size_t kPatch = FacetTree::kLeaf;
   if (kPatch * (leaf + 1) > tree.size()) return false;
   const std::uint32_t first = tree.triangle_at(kPatch * leaf);
@@ -62,7 +62,7 @@ Buffer<LeafStars> stars_of_leaves(const IndexedMesh& mesh, const FacetTree& tree
   stars.resize(kWidth * tree.bottom_nodes());
   for_each_index(stars.size(), [&](std::size_t leaf) {
     stars[leaf] = {StarFans::kNone, StarFans::kNone, StarFans::kNone};
-    if (!is_patch(tree, leaf)) return;
+    if (!leaf_is_patch(tree, leaf)) return;
     const std::uint32_t first = tree.triangle_at(FacetTree::kLeaf * leaf);
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t corner = mesh.triangles[first + k][0];

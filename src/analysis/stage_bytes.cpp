@@ -12,6 +12,7 @@
 
 #include "analysis/distances_tree.hpp"
 #include "analysis/facet_tree.hpp"
+#include "analysis/quality_parts.hpp"
 #include "core/vec3.hpp"
 #include "mesh/edge_buckets.hpp"
 #include "mesh/groups_by_range.hpp"
@@ -61,7 +62,7 @@ std::uint64_t measures_bytes(const MeshSize& m) {
   // Of two values of each triangle, or of one of each edge, a tenth is kept for the percentiles, or
   // all if the triangles are few; they are copied once, from arrays that may have grown to twice
   // their size. Every thread has the corners, edges and lengths of a range of vertices.
-  constexpr std::uint64_t kFewTriangles = 1 << 16, kScratch = std::uint64_t{9} << 18;
+  constexpr std::uint64_t kScratch = std::uint64_t{9} << 18;
   const std::uint64_t values = 2 * m.triangles * sizeof(double);
   const std::uint64_t kept = m.triangles < kFewTriangles ? 3 * values : 3 * values / 10;
   const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());

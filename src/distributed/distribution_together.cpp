@@ -71,7 +71,7 @@ std::optional<Distribution> distribution_together(const Ranks& ranks,
     const std::uint64_t kept = ranks.sum(std::uint64_t{inside.size()});
     const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
     if (rank < all.below[i] || rank - all.below[i] >= kept) {
-      if (!keep_everything(values.brackets())) return std::nullopt;
+      if (!is_everything(values.brackets())) return std::nullopt;
       percentiles[p] = kNone;
       continue;
     }

@@ -25,6 +25,7 @@
 #include "extract/blended/field_sample.hpp"
 #include "extract/field_list.hpp"
 #include "spheres/cell_list.hpp"
+#include "spheres/even_directions.hpp"
 #include "surface/box.hpp"
 
 namespace vdwmesh {
@@ -40,14 +41,6 @@ constexpr double kRayStep = 0.25;  // relative to the radius
 // Least cosine between a ray and the normal. It limits the weight of grazing rays to ten times the
 // weight of a ray that meets the surface at a right angle.
 constexpr double kLeastCosine = 0.1;
-
-// The k-th of `count` unit vectors that are spread evenly over the sphere (Fibonacci lattice).
-Vec3d direction(int k, int count) {
-  const double z = 1 - (2 * k + 1) / static_cast<double>(count);
-  const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
-  const double r = std::sqrt(1 - z * z);
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
 
 // Whether another ball covers the point p of the sphere at list place `own`. If the point lies on
 // several spheres, it counts as covered for all of them but the first in the list.
@@ -70,7 +63,8 @@ double exposed_part(const CellListView& list, ListPlace own) {
   const Sphere& ball = list.spheres[own];
   int exposed = 0;
   for (int k = 0; k < kPointsPerSphere; ++k)
-    exposed += !is_covered(list, own, ball.center + ball.radius * direction(k, kPointsPerSphere));
+    exposed +=
+        !is_covered(list, own, ball.center + ball.radius * even_direction(k, kPointsPerSphere));
   return exposed / static_cast<double>(kPointsPerSphere);
 }
 
@@ -131,7 +125,7 @@ RayHit follow_ray(const CellListView& list, const FieldModel& model, ListPlace o
 VDWMESH_MULTIVERSION double area_along_rays(const CellListView& list, const FieldModel& model,
                                             ListPlace own, int rays) {
   double sum = 0;
-  for (int k = 0; k < rays; ++k) sum += follow_ray(list, model, own, direction(k, rays)).area;
+  for (int k = 0; k < rays; ++k) sum += follow_ray(list, model, own, even_direction(k, rays)).area;
   return 4 * std::numbers::pi / rays * sum;
 }
 
@@ -142,7 +136,7 @@ void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace 
   const Sphere& ball = list.spheres[own];
   const double solid_angle = 4 * std::numbers::pi / points * weight;
   for (int k = 0; k < points; ++k) {
-    const Vec3d u = direction(k, points);
+    const Vec3d u = even_direction(k, points);
     RayHit hit{ball.radius, ball.radius * ball.radius};
     if (model.kind != FieldKind::vdw) {
       hit = follow_ray(list, model, own, u);

@@ -19,6 +19,7 @@
 #include "mesh/edge_buckets.hpp"
 #include "mesh/surface_handles.hpp"
 #include "mesh/surface_room.hpp"
+#include "mesh/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {

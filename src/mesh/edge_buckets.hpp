@@ -11,7 +11,6 @@
 #include <span>
 
 #include "core/buffer.hpp"
-#include "mesh/triangle_check.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {

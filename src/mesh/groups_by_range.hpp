@@ -58,8 +58,7 @@ class RangeCounters {
 // The items grouped by range, and in the order of their triangles within a range. `Item` is small
 // and trivial. visit_items(t, emit) calls emit(item, range) for the items of triangle t; it is
 // called twice for each triangle, on any thread, and must emit the same both times. Preconditions:
-// the ranges are below that of vertex_count - 1 or equal to it, and there are fewer than 2^32
-// items.
+// the ranges are below ranges(), and there are fewer than 2^32 items.
 template <class Item>
 class GroupsByRange {
  public:

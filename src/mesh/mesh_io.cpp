@@ -19,6 +19,7 @@
 #include "core/large_pages.hpp"
 #include "core/letters.hpp"
 #include "mesh/formats.hpp"
+#include "mesh/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -67,12 +68,11 @@ void check_writable(const SurfaceMesh& mesh) {
 
 // The same for a mesh without half-edges, whose spheres need colours.
 void check_writable(const IndexedMesh& mesh, std::size_t colors) {
+  check_array_sizes(mesh);
+  check_triangles(mesh.triangles, mesh.vertex_count());
   if (mesh.normals.size() != mesh.vertex_count())
     throw InvalidInput(fmt::format("{} vertex normals, where {} are needed", mesh.normals.size(),
                                    mesh.vertex_count()));
-  if (!mesh.vertex_spheres.empty() && mesh.vertex_spheres.size() != mesh.vertex_count())
-    throw InvalidInput(fmt::format("{} vertex labels, where {} are needed",
-                                   mesh.vertex_spheres.size(), mesh.vertex_count()));
   const auto is_finite_at = [&](std::size_t v) {
     const Vec3d& p = mesh.positions[v];
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);

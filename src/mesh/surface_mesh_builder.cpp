@@ -15,10 +15,10 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "mesh/connectivity.hpp"
-#include "mesh/edge_buckets.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/surface_handles.hpp"
 #include "mesh/surface_room.hpp"
+#include "mesh/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -36,20 +36,6 @@ void check_limits(std::size_t vertices, std::size_t triangles) {
         fmt::format("{} vertices and {} triangles are more than OpenMesh's {} half-edges can "
                     "hold; a coarser spacing makes fewer",
                     vertices, triangles, kMaxSurfaceHalfEdges));
-}
-
-// Throws unless each optional array of the mesh is empty or has one element per vertex, triangle or
-// half-edge.
-void check_sizes(const IndexedMesh& mesh) {
-  const auto check = [&](std::size_t size, std::size_t wanted, const char* what) {
-    if (size != 0 && size != wanted)
-      throw InvalidInput(fmt::format("{} {}, where {} are needed", size, what, wanted));
-  };
-  check(mesh.normals.size(), mesh.vertex_count(), "vertex normals");
-  check(mesh.vertex_spheres.size(), mesh.vertex_count(), "vertex labels");
-  check(mesh.vertex_spheres.others.size(), mesh.vertex_count(), "labels of creases");
-  check(mesh.triangle_spheres.size(), mesh.triangle_count(), "triangle labels");
-  check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
 }
 
 // The unit vector along a, or zero if a is zero or not a number.
@@ -147,7 +133,7 @@ void SurfaceMeshBuilder::prepare(const MeshSize& size) {
 
 SurfaceMesh& SurfaceMeshBuilder::build(const IndexedMesh& source) {
   check_limits(source.vertex_count(), source.triangle_count());
-  check_sizes(source);
+  check_array_sizes(source);
   const bool given = !source.opposite.empty();
   Buffer<std::uint32_t> computed;
   if (!given) computed = opposite_half_edges(source.triangles, source.vertex_count());

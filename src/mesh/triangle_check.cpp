@@ -50,6 +50,18 @@ IndexSurvey survey_indices(std::span<const Triangle> triangles, std::size_t vert
 
 }  // namespace
 
+void check_array_sizes(const IndexedMesh& mesh) {
+  const auto check = [&](std::size_t size, std::size_t wanted, const char* what) {
+    if (size != 0 && size != wanted)
+      throw InvalidInput(fmt::format("{} {}, where {} are needed", size, what, wanted));
+  };
+  check(mesh.normals.size(), mesh.vertex_count(), "vertex normals");
+  check(mesh.vertex_spheres.size(), mesh.vertex_count(), "vertex labels");
+  check(mesh.vertex_spheres.others.size(), mesh.vertex_count(), "labels of creases");
+  check(mesh.triangle_spheres.size(), mesh.triangle_count(), "triangle labels");
+  check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
+}
+
 void check_triangle_count(std::size_t triangles) {
   if (triangles <= kMaxSurfaceHalfEdges / 3) return;
   throw LimitExceeded(fmt::format(

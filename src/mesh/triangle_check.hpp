@@ -1,4 +1,4 @@
-// The first look at triangles whose indices nobody has checked.
+// The first look at a mesh that nobody has checked.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +12,10 @@ namespace vdwmesh {
 
 // The most half-edges that a SurfaceMesh can have, because OpenMesh's handles are of type int.
 inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
+
+// Throws InvalidInput unless each optional array of the mesh is empty or has one element per
+// vertex, triangle or half-edge.
+void check_array_sizes(const IndexedMesh& mesh);
 
 // Throws LimitExceeded for triangles that have more half-edges than that.
 void check_triangle_count(std::size_t triangles);

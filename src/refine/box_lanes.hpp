@@ -7,30 +7,11 @@
 #include <cstring>
 #include <vector>
 
+#include "core/lane_masks.hpp"
 #include "core/lanes.hpp"
 #include "refine/patch_grid.hpp"
 
 namespace vdwmesh {
-
-// All bits of a lane are alike.
-using EightMasks = std::int32_t __attribute__((vector_size(8 * sizeof(std::int32_t))));
-
-// Sets bit i of the result if lane i is true.
-VDWMESH_INLINE std::uint32_t bits_of_eight(const EightMasks& lanes) {
-#if defined(__SSE2__)
-  using Half = float __attribute__((vector_size(16)));
-  Half low, high;
-  std::memcpy(&low, &lanes, sizeof low);
-  std::memcpy(&high, reinterpret_cast<const char*>(&lanes) + sizeof low, sizeof high);
-  const int bits = __builtin_ia32_movmskps(low) | __builtin_ia32_movmskps(high) << 4;
-  return static_cast<std::uint32_t>(bits);
-#else
-  const EightMasks bits = lanes & EightMasks{1, 2, 4, 8, 16, 32, 64, 128};
-  std::uint32_t found = 0;
-  for (std::size_t lane = 0; lane < 8; ++lane) found |= static_cast<std::uint32_t>(bits[lane]);
-  return found;
-#endif
-}
 
 class BoxLanes {
  public:

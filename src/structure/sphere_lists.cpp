@@ -382,7 +382,7 @@ ParsedFile parse_xyzr(std::string_view text, const std::string& path) {
   Builder builder(path, "xyzr");
   builder.begin_model("1");
   std::vector<Piece> pieces = cut(text);
-  if (!pieces.empty()) check_first(pieces.front(), text, path);
+  if (pieces.size() > 1) check_first(pieces.front(), text, path);  // one piece is read at once
   const std::size_t count = number_pieces(pieces);
   if (count == 0)
     throw FileFormatError(path + ": has no line with x y z radius, so there is nothing to mesh");

@@ -68,7 +68,7 @@ class StarFans {
   // Whether all pieces around the vertex are one fan, which is a star.
   bool is_star(std::uint32_t vertex) const { return vertex < kNone && state_[vertex] == 1; }
 
-  // Two numbers that are no vertex of a star.
+  // This number and the next one are no vertex of a star.
   static constexpr std::uint32_t kNone = 0xfffffffeu;
 
  private:

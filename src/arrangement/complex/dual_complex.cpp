@@ -35,12 +35,6 @@
 namespace vdwmesh {
 namespace {
 
-// Position, 0 to 3, of a value that must be there: of a vertex among a cell's four vertices, or of
-// a cell among a cell's four neighbours.
-std::size_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t value) {
-  return static_cast<std::size_t>(std::find(four.begin(), four.end(), value) - four.begin());
-}
-
 // Edges, and the two sides of triangles, have numbers of 32 bits. There may be more of them than
 // cells, whose number is checked when they are made.
 void check_numbers(std::size_t count) {

@@ -55,13 +55,6 @@ struct alignas(32) FlatCell {
 constexpr std::array<std::array<std::uint8_t, 3>, 4> kOthers{
     {{1, 2, 3}, {0, 3, 2}, {3, 0, 1}, {2, 1, 0}}};
 
-// The position of a value that is there, without branches.
-VDWMESH_INLINE std::uint32_t place_of(const FourIndices& four, std::uint32_t value) {
-  return static_cast<std::uint32_t>(four[1] == value) +
-         2 * static_cast<std::uint32_t>(four[2] == value) +
-         3 * static_cast<std::uint32_t>(four[3] == value);
-}
-
 // What decides about conflicts with a cell, of which a ball a is the origin. With the vectors ab,
 // ac, ad from there to its other balls, D = det(ab, ac, ad) > 0, w_b = |ab|² + r_a² - r_b² and so
 // on, n = w_b ac×ad + w_c ad×ab + w_d ab×ac, a ball t is in conflict exactly if
@@ -82,7 +75,6 @@ struct alignas(64) ConflictForm {
 constexpr double kErrorFactor = 32 * (std::numeric_limits<double>::epsilon() / 2);
 // A smaller bound may itself have lost digits to underflow.
 constexpr double kTinyError = 1e-280;
-constexpr double kHugeValue = 1e300;
 
 // Lane i gets lane i + kBy, counted in a circle.
 template <int kBy>
@@ -232,7 +224,8 @@ VDWMESH_INLINE Sign FlatTriangulation::conflict_sign(const ConflictForm& form, s
                        form.normal_error * (std::abs(x) + std::abs(y) + std::abs(z));
   // Overflow anywhere makes the value infinite or not a number, though its bound may be finite.
   const double size = std::abs(value);
-  if (error > kTinyError && size > error && size < kHugeValue) [[likely]] {
+  if (error > kTinyError && size > error && size < std::numeric_limits<double>::infinity())
+      [[likely]] {
     return value < 0 ? Sign::positive : Sign::negative;
   }
   const FourIndices& v = cells_[cell].vertices;
@@ -308,7 +301,7 @@ VDWMESH_INLINE bool FlatTriangulation::fill_hole(std::uint32_t ball) {
     made.neighbors.fill(kNoIndex);
     made.neighbors[facet.slot] = outside;
     FourIndices& back = cells[outside].neighbors;
-    back[place_of(back, facet.cell)] = facet.made;
+    back[slot_of(back, facet.cell)] = facet.made;
     removed.neighbors[facet.slot] = facet.made;
     const auto& others = kOthers[facet.slot];
     form_balls_[i] = {
@@ -333,8 +326,8 @@ VDWMESH_INLINE void FlatTriangulation::link_cells() {
       std::uint32_t next = cells[current].neighbors[exit];
       while (marks[next] == stamp) {
         const std::uint32_t turned = cells[current].vertices[pivot];
-        pivot = place_of(cells[next].neighbors, current);
-        exit = place_of(cells[next].vertices, turned);
+        pivot = slot_of(cells[next].neighbors, current);
+        exit = slot_of(cells[next].vertices, turned);
         current = next;
         next = cells[current].neighbors[exit];
       }
@@ -444,7 +437,7 @@ RegularCells taken_cells(const Buffer<FlatCell>& cells, const std::vector<std::u
       vertices[k] = numbers[cells[c].vertices[k]];
       if (vertices[k] < has_vertex.size()) has_vertex[vertices[k]] = 1;
     }
-    if (sort_is_odd(vertices)) std::swap(vertices[2], vertices[3]);
+    vertices = canonical(vertices);
     if (!takes(vertices)) continue;
     number[c] = static_cast<std::uint32_t>(out.cells.size());
     out.cells.push_back(vertices);
@@ -453,7 +446,7 @@ RegularCells taken_cells(const Buffer<FlatCell>& cells, const std::vector<std::u
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (number[c] == kNoIndex) continue;
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::uint32_t slot = place_of(out.cells[number[c]], numbers[cells[c].vertices[k]]);
+      const std::uint32_t slot = slot_of(out.cells[number[c]], numbers[cells[c].vertices[k]]);
       out.neighbors[number[c]][slot] = number[cells[c].neighbors[k]];
     }
   }

@@ -153,13 +153,10 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls,
   }
 }
 
-// The vertices of a cell in the order of PowerTriangulation::cells. CGAL's order is positively
-// oriented. An odd number of exchanges sorts it: then two of the sorted vertices are exchanged.
-CellVertices canonical(const Triangulation::Cell& cell) {
-  CellVertices v{cell.vertex(0)->info(), cell.vertex(1)->info(), cell.vertex(2)->info(),
-                 cell.vertex(3)->info()};
-  if (sort_is_odd(v)) std::swap(v[2], v[3]);
-  return v;
+// CGAL's order is positively oriented.
+CellVertices vertices_of(const Triangulation::Cell& cell) {
+  return canonical({cell.vertex(0)->info(), cell.vertex(1)->info(), cell.vertex(2)->info(),
+                    cell.vertex(3)->info()});
 }
 
 }  // namespace
@@ -178,7 +175,7 @@ RegularCells regular_cells(const std::vector<Sphere>& balls, const std::array<Ve
   out.cells.reserve(count);
   for (const auto cell : triangulation.all_cell_handles()) cell->info() = kNoIndex;
   for (const auto cell : triangulation.finite_cell_handles()) {
-    const CellVertices vertices = canonical(*cell);
+    const CellVertices vertices = vertices_of(*cell);
     if (!takes(vertices)) continue;
     cell->info() = static_cast<std::uint32_t>(out.cells.size());
     out.cells.push_back(vertices);

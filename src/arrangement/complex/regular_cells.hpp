@@ -33,6 +33,21 @@ bool sort_is_odd(std::array<std::uint32_t, N>& vertices) {
   return odd;
 }
 
+// The vertices of a positively oriented cell in canonical order. An odd number of exchanges sorts
+// them: then two of the sorted vertices are exchanged.
+inline CellVertices canonical(CellVertices vertices) {
+  if (sort_is_odd(vertices)) std::swap(vertices[2], vertices[3]);
+  return vertices;
+}
+
+// The slot, 0 to 3, of a value that is there: of a vertex among the vertices of a cell, or of a
+// cell among its neighbours. Without branches.
+inline std::uint32_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t value) {
+  return static_cast<std::uint32_t>(four[1] == value) +
+         2 * static_cast<std::uint32_t>(four[2] == value) +
+         3 * static_cast<std::uint32_t>(four[3] == value);
+}
+
 struct RegularCells {
   Buffer<CellVertices> cells;
   // For each vertex of a cell the index of the cell opposite to it; kNoIndex: not in the list.

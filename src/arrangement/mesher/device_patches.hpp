@@ -84,8 +84,6 @@ class DevicePatches {
     return job(ball) && job(ball)->is_kept ? job(ball) : nullptr;
   }
   bool was_sent(std::uint32_t ball) const { return was_sent_[ball] != 0; }
-  // How many jobs were sent.
-  std::size_t sent() const { return jobs_.size(); }
 
   // Ends the host's turns and calls on_host(). Returns when on_host() has returned and the device
   // has finished; the jobs then hold their results. Throws what the device or on_host() has thrown.

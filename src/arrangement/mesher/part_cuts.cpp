@@ -24,6 +24,7 @@
 
 #include "core/fixed_blocks.hpp"
 #include "spheres/cell_list.hpp"
+#include "spheres/even_directions.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -35,18 +36,6 @@ constexpr double kMostWork = 0x1p31;
 
 constexpr std::size_t kSampledBalls = 4096;
 constexpr int kSamplePoints = 32;  // of each; a mask has one bit for each
-
-// Unit vectors that are spread evenly over the sphere (Fibonacci lattice).
-std::array<Vec3d, kSamplePoints> even_directions() {
-  std::array<Vec3d, kSamplePoints> directions;
-  for (int k = 0; k < kSamplePoints; ++k) {
-    const double z = 1 - (2 * k + 1) / static_cast<double>(kSamplePoints);
-    const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
-    const double r = std::sqrt(1 - z * z);
-    directions[static_cast<std::size_t>(k)] = {r * std::cos(angle), r * std::sin(angle), z};
-  }
-  return directions;
-}
 
 // The estimated triangles of a sphere that stands for others, and its key.
 struct SampledWork {
@@ -62,7 +51,10 @@ std::vector<SampledWork> sampled_work(const SphereSet& spheres, const SpatialFra
   const SphereSet sample(std::move(sampled));
   const CellList list = make_ball_list(sample);
   const CellListView& view = list.view();
-  const std::array<Vec3d, kSamplePoints> directions = even_directions();
+  std::array<Vec3d, kSamplePoints> directions;
+  for (int k = 0; k < kSamplePoints; ++k) {
+    directions[static_cast<std::size_t>(k)] = even_direction(k, kSamplePoints);
+  }
   std::vector<std::uint32_t> covered(count, 0);  // by place in the list, a bit for each point
   for_each_index(spheres.size(), [&](std::size_t i) {
     const Sphere& s = spheres[i];

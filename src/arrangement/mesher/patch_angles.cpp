@@ -148,16 +148,16 @@ void AngleBound::find_in_patch(const PatchTriangles& patch, PatchVector<PieceSpl
 
 std::uint32_t AngleBound::longest_piece_at(const LinkedTriangle& t) const {
   std::uint32_t longest = kNoPiece;
-  const auto take = [&](std::uint32_t piece) {
+  const auto keep_longer = [&](std::uint32_t piece) {
     if (longest == kNoPiece || chord(piece) > chord(longest)) longest = piece;
   };
   for (const std::uint32_t piece : t.pieces) {
-    if (piece != kNoPiece) take(piece);
+    if (piece != kNoPiece) keep_longer(piece);
   }
   if (longest != kNoPiece) return longest;
   const auto is_vertex = [&](std::uint32_t i) { return std::ranges::count(t.vertices, i) > 0; };
   for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
-    if (is_vertex(boundary_.pieces[p].from) || is_vertex(boundary_.pieces[p].to)) take(p);
+    if (is_vertex(boundary_.pieces[p].from) || is_vertex(boundary_.pieces[p].to)) keep_longer(p);
   }
   return longest;
 }

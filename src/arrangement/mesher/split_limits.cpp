@@ -74,7 +74,7 @@ bool SplitLimits::has_grown(std::uint64_t now, std::uint64_t at_first) const {
 }
 
 // For angles, an arc gets at most so many pieces, besides 16 for each piece it had at first, and
-// what one more round adds. Both are below a quarter of what has_grown() allows.
+// what one more round adds. Both are at most a quarter of what has_grown() allows.
 bool SplitLimits::leave_room(std::span<const PieceSplit> splits) const {
   constexpr std::uint64_t kMostForAngles = 1024;
   return !first_of_all(splits.size(), [&](std::size_t i) {

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "analysis/mesh_measures.hpp"
+#include "analysis/quality_parts.hpp"
 #include "core/errors.hpp"
 #include "support/test_meshes.hpp"
 
@@ -68,29 +69,56 @@ TEST(MinAngles, AreThoseOfEachTriangleInOrder) {
   EXPECT_THROW(min_angles_deg(mesh), InvalidInput);
 }
 
-TEST(Quality, PercentilesAreThoseOfASort) {
-  // Triangles that share nothing, right-angled with legs 1 and h: each min angle is atan(h).
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> leg(0.01, 1);
+// Right-angled triangles that share nothing, with the legs 1 and legs[t]: the smallest angle of
+// each is the arc tangent of the second leg.
+IndexedMesh right_angled(const std::vector<double>& legs) {
   IndexedMesh mesh;
-  std::vector<double> angles;
-  for (std::uint32_t t = 0; t < 1003; ++t) {
-    const double h = leg(random);
-    for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, h, 0}})
+  for (std::uint32_t t = 0; t < legs.size(); ++t) {
+    for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, legs[t], 0}})
       mesh.positions.push_back(p);
     mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
-    angles.push_back(std::atan(h) * 180 / std::numbers::pi);
   }
-  std::sort(angles.begin(), angles.end());
-  const Distribution found = quality(mesh).min_angle_deg;
-  const auto expect_rank = [&](double value, std::size_t rank) {
-    EXPECT_NEAR(value, angles[rank - 1], 90 * kRounding);
+  return mesh;
+}
+
+void expect_ranks(const Distribution& found, std::vector<double> values, double rounding) {
+  std::sort(values.begin(), values.end());
+  const auto of_rank = [&](std::size_t hundredths) {
+    return values[(values.size() * hundredths + 99) / 100 - 1];
   };
-  expect_rank(found.min, 1);
-  expect_rank(found.p01, 11);      // ceil(10.03)
-  expect_rank(found.median, 502);  // ceil(501.5)
-  expect_rank(found.p99, 993);     // ceil(992.97)
-  expect_rank(found.max, 1003);
+  EXPECT_NEAR(found.min, values.front(), rounding);
+  EXPECT_NEAR(found.p01, of_rank(1), rounding);
+  EXPECT_NEAR(found.median, of_rank(50), rounding);
+  EXPECT_NEAR(found.p99, of_rank(99), rounding);
+  EXPECT_NEAR(found.max, values.back(), rounding);
+}
+
+void expect_quality_of_a_sort(const std::vector<double>& legs) {
+  std::vector<double> angles, lengths;
+  for (const double h : legs) {
+    angles.push_back(std::atan(h) * 180 / std::numbers::pi);
+    lengths.insert(lengths.end(), {1, h, std::hypot(1, h)});
+  }
+  const IndexedMesh mesh = right_angled(legs);
+  for (const MeshQuality& found : {quality(mesh), examine(mesh).quality}) {
+    expect_ranks(found.min_angle_deg, angles, 90 * kRounding);
+    expect_ranks(found.edge_length, lengths, 2 * kRounding);
+  }
+}
+
+TEST(Quality, PercentilesAreThoseOfASort) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> leg(0.01, 1);
+  // As many triangles as keep all values, and as many as are looked at by a sample first.
+  for (const std::size_t triangles : {1003u, 70'001u, 140'000u}) {
+    SCOPED_TRACE(triangles);
+    std::vector<double> legs(triangles);
+    for (double& h : legs) h = leg(random);
+    expect_quality_of_a_sort(legs);
+    // The triangles of the sample are unlike the others, so it expects the percentiles elsewhere.
+    for (std::size_t t = 0; t < triangles; t += usual_sample_step(triangles)) legs[t] = 0.001;
+    expect_quality_of_a_sort(legs);
+  }
 }
 
 TEST(Quality, OfNothingIsNotANumber) {

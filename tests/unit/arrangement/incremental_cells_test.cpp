@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -96,6 +97,22 @@ TEST(IncrementalCells, NearlyInATie) {
     EXPECT_TRUE(compare(plane, takes_all)) << moved;
     compare(line, takes_all);
     EXPECT_TRUE(compare(sphere, takes_all)) << moved;
+  }
+}
+
+// Centres so far apart for their radii that products of the filter overflow: its sums are then
+// infinite or no numbers, while the bound of their errors may still be finite. Farther sets have no
+// bound either, nearer ones no overflow.
+TEST(IncrementalCells, SoFarApartThatTheFilterOverflows) {
+  Dice dice(14);
+  for (int exponent = 55; exponent <= 70; ++exponent) {
+    SCOPED_TRACE(exponent);
+    const double reach = 1e20, radius = reach * std::pow(10.0, -exponent);
+    std::vector<Sphere> balls;
+    for (int i = 0; i < 60; ++i) {
+      balls.push_back({random_point(dice, reach), radius * dice.real(0.5, 1)});
+    }
+    EXPECT_TRUE(compare(balls, takes_all));
   }
 }
 

@@ -122,6 +122,11 @@ TEST(MeshIo, PlyWithoutHalfEdges) {
     EXPECT_FALSE(fs::exists(path));
   };
   expect_refused(mesh, 1, "but there are 1 colours");
+  IndexedMesh without_vertex = mesh, without_label = mesh;
+  without_vertex.triangles[1][2] = static_cast<std::uint32_t>(mesh.vertex_count());
+  expect_refused(without_vertex, colors.size(), "triangle 1 names vertex");
+  without_label.triangle_spheres.assign(1, 0);
+  expect_refused(without_label, colors.size(), "1 triangle labels");
   IndexedMesh bad = mesh;
   bad.positions[1].y = std::numeric_limits<double>::infinity();
   expect_refused(bad, colors.size(), "vertex 1 is at");
