@@ -5,7 +5,8 @@
 # The target docs_api writes docs/api/index.html into the build tree, where Doxygen is found: the
 # reference of the public headers, under the names by which users include them.
 find_program(VDWMESH_DOXYGEN doxygen)
-if(PROJECT_IS_TOP_LEVEL AND VDWMESH_DOXYGEN)
+find_program(VDWMESH_DOCS_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+if(PROJECT_IS_TOP_LEVEL AND VDWMESH_DOXYGEN AND VDWMESH_DOCS_PYTHON)
   set(api_headers "${PROJECT_BINARY_DIR}/docs/headers")
   file(REMOVE_RECURSE "${api_headers}")
   foreach(header ${public_headers})
@@ -26,7 +27,6 @@ if(PROJECT_IS_TOP_LEVEL AND VDWMESH_DOXYGEN)
     VERBATIM)
 endif()
 
-find_program(VDWMESH_DOCS_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 if(PROJECT_IS_TOP_LEVEL AND VDWMESH_DOCS_PYTHON)
   set(site_api)
   if(TARGET docs_api)

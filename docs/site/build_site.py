@@ -6,8 +6,8 @@
 `pages.csv` beside this program lists the pages. Each is a Markdown file of the project, as GitHub reads
 them: python3-markdown converts it, and around it come the list of all pages and links to the one before
 and the one behind. Links to listed Markdown files lead to their pages; other files of the project that
-pages link to or show are copied, and names of headers lead to their reference by Doxygen. A page that is not listed, or a link to a file that is not there, ends
-the program with a message.
+pages link to or show are copied, and names of headers lead to their reference by Doxygen. A page that is not
+listed, or a link to a file that is not there, ends the program with a message.
 """
 
 import argparse
@@ -29,6 +29,7 @@ SOURCES = HERE.parent.parent
 LINK = re.compile(r'\b(href|src)="([^"]*)"')
 FENCE = re.compile(r"\s*(```|~~~)")
 HEADER = re.compile(r"<code>((?:\w+/)*(\w+)\.hpp)</code>(?!</a>)")
+NAME = re.compile(r'(<div id="projectname">)([^<]+)')  # in a page by Doxygen
 ITEM = re.compile(r"(\s*)([-*]|\d+\.) ")
 
 
@@ -101,10 +102,17 @@ class Site:
         self.target.mkdir(parents=True)
         shutil.copy(HERE / "style.css", self.target)
         if api:
-            shutil.copytree(api, self.target / "api")
-            self.has_api = True
+            self.copy_api(api)
         for number, page in enumerate(self.pages):
             self.write(number, page)
+
+    def copy_api(self, api):
+        """Copies the pages by Doxygen; the project's name at their top leads back to the overview."""
+        shutil.copytree(api, self.target / "api")
+        for path in (self.target / "api").glob("*.html"):
+            text = path.read_text()
+            path.write_text(NAME.sub(r'\1<a href="../index.html">\2</a>', text, count=1))
+        self.has_api = True
 
     def write(self, number, page):
         source = self.sources / page["source"]
@@ -121,7 +129,9 @@ class Site:
         headings = converter.toc if body.count("<h2") > 2 else ""
         target = self.target / page["place"]
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(self.frame(number, page, body, headings))
+        before = self.pages[number - 1] if number else None
+        behind = self.pages[number + 1] if number + 1 < len(self.pages) else None
+        target.write_text(self.frame(page, body, headings, before, behind))
 
     def header(self, page, path, name):
         """The name of a header, with a link to what Doxygen says of it, if that is part of the site."""
@@ -156,9 +166,9 @@ class Site:
         for name in names:
             shutil.copy(origin / name, target)
         items = "".join(f'<li><a href="{html.escape(name)}">{html.escape(name)}</a></li>' for name in names)
-        title = f"<title>{html.escape(source)}</title>"
-        (target / "index.html").write_text(f'<!DOCTYPE html><meta charset="utf-8">{title}<ul>{items}</ul>\n')
-        return f"{place}/index.html"
+        page = {"title": source, "place": f"{place}/index.html"}
+        (self.target / page["place"]).write_text(self.frame(page, f"<h1>{html.escape(source)}</h1>\n<ul>{items}</ul>"))
+        return page["place"]
 
     @staticmethod
     def relative(page, place):
@@ -179,13 +189,12 @@ class Site:
             text += "</ul>\n"
         return text
 
-    def frame(self, number, page, body, headings):
-        """The whole page. On a narrow screen the list of pages is folded up."""
+    def frame(self, page, body, headings="", before=None, behind=None):
+        """The whole page, with links to two others. On a narrow screen the list of pages is folded up."""
 
-        def neighbour(step, word):
-            if not 0 <= number + step < len(self.pages):
+        def neighbour(other, word):
+            if not other:
                 return "<span></span>"
-            other = self.pages[number + step]
             return f'<a href="{self.relative(page, other["place"])}">{word}{html.escape(other["title"])}</a>'
 
         inside = f'<details class="here"><summary>On this page</summary>{headings}</details>' if headings else ""
@@ -206,7 +215,7 @@ class Site:
 <main id="text">
 {inside}
 {body}
-<footer>{neighbour(-1, "← ")}{neighbour(1, "→ ")}</footer>
+<footer>{neighbour(before, "← ")}{neighbour(behind, "→ ")}</footer>
 </main>
 </body>
 </html>

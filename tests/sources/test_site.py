@@ -55,11 +55,26 @@ class Site(unittest.TestCase):
         api = self.folder / "api"
         api.mkdir()
         for name in ("index.html", "vertex__map_8hpp.html"):
-            (api / name).write_text("<p>")
+            (api / name).write_text('<div id="projectname">vdwmesh<span>')
         build_site.Site(self.folder / "site", "1", sources, listing).build(api)
         text = (self.folder / "site" / "index.html").read_text()
         self.assertIn('<a href="api/vertex__map_8hpp.html"><code>a/vertex_map.hpp</code></a>', text)
         self.assertIn("<code>other.hpp</code>, <code>a/vertex_map.cpp</code>", text)
+        reference = (self.folder / "site" / "api" / "index.html").read_text()
+        self.assertIn('<div id="projectname"><a href="../index.html">vdwmesh</a><span>', reference)
+
+    def test_pages_of_folders_look_like_the_others(self):
+        import build_site
+
+        sources = self.folder / "sources"
+        (sources / "docs" / "data").mkdir(parents=True)
+        (sources / "docs" / "data" / "a.csv").write_text("1\n")
+        (sources / "docs" / "index.md").write_text("# A\n\n[files](data)\n")
+        (sources / "pages.csv").write_text("section,source,title\nS,docs/index.md,T\n")
+        build_site.Site(self.folder / "site", "1", sources, sources / "pages.csv").build()
+        text = (self.folder / "site" / "files" / "docs" / "data" / "index.html").read_text()
+        for part in ('<a href="a.csv">a.csv</a>', 'href="../../../style.css"', "<h1>docs/data</h1>"):
+            self.assertIn(part, text)
 
     def test_finds_missing_anchors(self):
         _, faults = self.build_pages(index="# A\n\n[there](b.md#no)\n", b="# B\n\n## Yes\n")
