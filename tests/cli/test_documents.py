@@ -5,16 +5,21 @@ Python on their paths; the blocks of one page follow each other in one folder. A
 is compared with what it printed: each of its lines has to be there, in this order; a line `…` stands for any
 lines, `…` at the end of a line for the rest of the line, and blanks may differ in number. Blocks marked
 `shell` take long, or change the machine: LONG names each with what runs it instead.
+
+Pictures that a page shows are those that its commands draw.
 """
 
+import functools
 import os
 import re
 import subprocess
 import sys
 import unittest
 
+from documented import CODE, FENCE
 from program import PROGRAM, SOURCE_DIR, ProgramTest, is_required, need_package, need_shared, parse_json
 
+IMAGES = SOURCE_DIR / "docs" / "images"
 PAGES = [SOURCE_DIR / "docs" / "start.md", *sorted((SOURCE_DIR / "docs" / "tasks").glob("*.md"))]
 
 # Files that are no part of a clone: the word in a command, and the file that stands in.
@@ -33,6 +38,9 @@ LONG = {
     "mpirun -n 2 vdwmesh-mpi mesh": "scripts/run-documents.sh; tests/cli/test_ranks.py with smaller files",
     "vdwmesh bench thesis": "scripts/run-documents.sh; tests/cli/test_bench.py with one entry",
 }
+# Pictures that no command draws.
+DRAWN_ELSEWHERE = {"study.png": "a person, by a browser, of the page that the command in its text writes"}
+IMAGE = re.compile(r"!\[[^]]*\]\([./\w]*images/(\w+\.png)\)")
 BLOCK = re.compile(r"^```(sh|text|shell)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -53,7 +61,34 @@ def what_is_missing(printed, promised):
     return None
 
 
-class Documents(ProgramTest):
+class PictureTest(ProgramTest):
+    # Mesa draws the same on every machine but for rounding; another driver places the edges otherwise.
+    STEPS = 8  # of 255
+    SHARE = 1e-4  # of the pixels may differ by more
+
+    def device(self):
+        """What draws; where nothing does, VDWMESH_REQUIRE_EGL=1 makes commands fail, and otherwise the test skips."""
+        pictures = parse_json(self.run_ok("info", "--json", "-").stdout)["pictures"]
+        if pictures["device"] is None and not is_required("VDWMESH_REQUIRE_EGL"):
+            self.skipTest(f"no pictures: {pictures['reason']}")
+        return pictures["device"] or ""
+
+    def assert_is_shown(self, name):
+        """The picture that was drawn is the one in docs/images."""
+        self.assertTrue((self.folder / name).is_file(), f"{name} is shown, and no command draws it")
+        if "llvmpipe" not in self.device():
+            return
+        need_package("python3-pil", module="PIL.Image")
+        from PIL import Image, ImageChops
+
+        drawn, shown = (Image.open(path).convert("RGB") for path in (self.folder / name, IMAGES / name))
+        self.assertEqual(drawn.size, shown.size, name)
+        most = functools.reduce(ImageChops.lighter, ImageChops.difference(drawn, shown).split())
+        share = sum(most.histogram()[self.STEPS + 1 :]) / (drawn.width * drawn.height)
+        self.assertLessEqual(share, self.SHARE, f"docs/images/{name} is not what its command draws now")
+
+
+class Documents(PictureTest):
     def run_page(self, page):
         printed = None
         long = os.environ.get("VDWMESH_LONG_DOCUMENTS") == "1"
@@ -64,6 +99,8 @@ class Documents(ProgramTest):
                 self.assertIsNone(line, f"{page.name} promises this line:\n{line}\nand printed was:\n{printed}")
             elif kind == "sh" or (long and "run-documents.sh" in self.reason(text)):
                 printed = self.run_block(page, text)
+        for name in IMAGE.findall(page.read_text()):
+            self.assert_is_shown(name)
 
     def run_block(self, page, text):
         self.prepare(text)
@@ -93,13 +130,7 @@ class Documents(ProgramTest):
             if "PYTHONPATH" not in os.environ:
                 self.skipTest("this build has no Python package")
         if " render " in text or "--picture" in text:
-            self.need_pictures()
-
-    def need_pictures(self):
-        """Where nothing draws, VDWMESH_REQUIRE_EGL=1 makes the command fail, and otherwise the test skips."""
-        pictures = parse_json(self.run_ok("info", "--json", "-").stdout)["pictures"]
-        if pictures["device"] is None and not is_required("VDWMESH_REQUIRE_EGL"):
-            self.skipTest(f"no pictures: {pictures['reason']}")
+            self.device()
 
     @staticmethod
     def reason(text):
@@ -139,6 +170,29 @@ class Quoted(ProgramTest):
                 self.assertIsNone(line, f"{page.name}: vdwmesh {arguments} does not print this line")
                 seen += 1
         self.assertGreater(seen, 1)
+
+
+class Pictures(PictureTest):
+    """Pictures of commands within lines of other pages, such as `vdwmesh render --sample … -o NAME.png`."""
+
+    @staticmethod
+    def commands():
+        """Commands by the pictures that they draw."""
+        pages = [SOURCE_DIR / "README.md", *sorted((SOURCE_DIR / "docs").glob("*.md"))]
+        texts = [re.sub(r"\s+", " ", FENCE.sub("", page.read_text())) for page in pages]
+        shown = {name for page in pages for name in IMAGE.findall(page.read_text())}
+        found = [code for text in texts for code in CODE.findall(text) if code.startswith("vdwmesh ") and "--sample" in code]
+        return {word: code for code in found for word in code.split() if word in shown}
+
+    def test_every_picture_is_drawn_by_a_command(self):
+        pages = {name for page in PAGES for name in IMAGE.findall(page.read_text())}
+        self.assertEqual({path.name for path in IMAGES.glob("*.png")}, {*pages, *self.commands(), *DRAWN_ELSEWHERE})
+
+    def test_pictures_are_those_of_their_commands(self):
+        self.device()
+        for name, command in self.commands().items():
+            self.run_ok(*command.split()[1:], cwd=self.folder)
+            self.assert_is_shown(name)
 
 
 class RadiusSets(ProgramTest):
