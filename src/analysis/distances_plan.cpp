@@ -14,6 +14,7 @@
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "surface/box.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -24,7 +25,7 @@ namespace {
 constexpr double kLeastSamples = 1e4;
 constexpr double kMostSamples = 1e12;  // more would take weeks
 
-constexpr std::size_t kGrain = std::size_t{1} << 15;  // triangles or points
+constexpr std::size_t kGrain = std::size_t{1} << 15;  // points
 
 using Range = tbb::blocked_range<std::size_t>;
 
@@ -42,20 +43,6 @@ std::size_t first_index(std::size_t count, const Condition& holds) {
 
 bool is_finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-void check_triangles(const IndexedMesh& mesh) {
-  if (mesh.triangles.empty())
-    throw InvalidInput("the mesh has no triangles: there is nothing to measure distances of");
-  const auto is_broken = [&](std::size_t t) {
-    return std::ranges::max(mesh.triangles[t]) >= mesh.vertex_count();
-  };
-  const std::size_t t = first_index(mesh.triangle_count(), is_broken);
-  if (t == mesh.triangle_count()) return;
-  const auto v = std::ranges::find_if(mesh.triangles[t],
-                                      [&](std::uint32_t i) { return i >= mesh.vertex_count(); });
-  throw InvalidInput(
-      fmt::format("triangle {} has vertex {}, but there are {}", t, *v, mesh.vertex_count()));
 }
 
 // Throws LimitExceeded if the triangles are too many for the 32-bit indices of BoxTree, or if mesh,
@@ -117,7 +104,9 @@ double area_of(const SphereSet& spheres) {
 DistancePlan plan_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                             const DistanceOptions& options) {
   if (spheres.empty()) throw InvalidInput("no spheres: their union has no boundary");
-  check_triangles(mesh);
+  if (mesh.triangles.empty())
+    throw InvalidInput("the mesh has no triangles: there is nothing to measure distances of");
+  check_triangles(mesh.triangles, mesh.vertex_count());
   check_points(mesh.positions, spheres, "vertex");
   check_memory(mesh, spheres.size(), options.memory_limit);
   const double density = density_for(area_of(spheres), options.samples_per_area);

@@ -22,7 +22,6 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kValuesPerBlock = 1 << 14;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 bool is_inside(const Brackets::Interval& interval, double value) {
   return interval.lower <= value && value <= interval.upper;
@@ -140,27 +139,16 @@ Buffer<double> BracketedValues::inside(std::size_t i) const {
 }
 
 std::optional<Distribution> distribution_of(const BracketedValues& values) {
-  const ValueSummary all = values.summary();
-  if (all.count == 0) return Distribution{kNone, kNone, kNone, kNone, kNone, kNone};
   const Brackets& brackets = values.brackets();
   std::array<Buffer<double>, kPercentiles.size()> inside;
   for (std::size_t i = 0; i < brackets.count; ++i) inside[i] = values.inside(i);
-  std::array<double, kPercentiles.size()> percentiles;
-  for (std::size_t p = 0; p < percentiles.size(); ++p) {
-    const std::size_t i = brackets.of_percentile[p];
-    const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
-    if (rank < all.below[i] || rank - all.below[i] >= inside[i].size()) {
-      if (!is_everything(brackets)) return std::nullopt;
-      percentiles[p] = kNone;
-      continue;
-    }
-    const auto place = inside[i].begin() + static_cast<std::ptrdiff_t>(rank - all.below[i]);
+  const auto value_inside = [&](std::size_t i, std::uint64_t rank) -> std::optional<double> {
+    if (rank >= inside[i].size()) return std::nullopt;
+    const auto place = inside[i].begin() + static_cast<std::ptrdiff_t>(rank);
     std::nth_element(inside[i].begin(), place, inside[i].end());
-    percentiles[p] = *place;
-  }
-  const auto [p01, median, p99] = percentiles;
-  return Distribution{all.min, p01,     median,
-                      p99,     all.max, all.sum.nearest() / static_cast<double>(all.count)};
+    return *place;
+  };
+  return distribution_of(values.summary(), brackets, value_inside);
 }
 
 Distribution distribution_of(std::span<const double> values) {

@@ -93,6 +93,27 @@ class BracketedValues {
   tbb::enumerable_thread_specific<OfThread> threads_;
 };
 
+// The distribution of a set whose parts add up to `all`. value_inside(i, rank) is the value of that
+// rank among those inside of interval i, if there are so many. Nothing, or NaN, as below.
+template <class ValueInside>
+std::optional<Distribution> distribution_of(const ValueSummary& all, const Brackets& brackets,
+                                            const ValueInside& value_inside) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (all.count == 0) return Distribution{kNone, kNone, kNone, kNone, kNone, kNone};
+  std::array<double, kPercentiles.size()> percentiles;
+  for (std::size_t p = 0; p < percentiles.size(); ++p) {
+    const std::size_t i = brackets.of_percentile[p];
+    const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
+    std::optional<double> value;
+    if (rank >= all.below[i]) value = value_inside(i, rank - all.below[i]);
+    if (!value && !is_everything(brackets)) return std::nullopt;
+    percentiles[p] = value.value_or(kNone);
+  }
+  const auto [p01, median, p99] = percentiles;
+  return Distribution{all.min, p01,     median,
+                      p99,     all.max, all.sum.nearest() / static_cast<double>(all.count)};
+}
+
 // The distribution of all values that were added. Nothing if a percentile is outside of its
 // bracket: then the values have to be made again, for bracket_of_everything(). With that bracket
 // there always is a result; percentiles are NaN where values that are NaN hide them.

@@ -29,6 +29,7 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -112,15 +113,6 @@ struct Shapes {
     return {angles, std::span<const double>(ratios).first(with_area)};
   }
 };
-
-// Throws InvalidInput if a triangle names a vertex that does not exist.
-void require_vertices(const IndexedMesh& mesh) {
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (const std::uint32_t v : mesh.triangles[t])
-      if (v >= mesh.vertex_count())
-        throw InvalidInput(fmt::format("triangle {} names vertex {}, but there are {} vertices", t,
-                                       v, mesh.vertex_count()));
-}
 
 // Returns the relative position of a value between the bounds of a histogram, on the chosen scale:
 // 0 at `lower`, 1 at `upper`.
@@ -279,7 +271,7 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
 }
 
 std::vector<float> min_angles_deg(const IndexedMesh& mesh) {
-  require_vertices(mesh);
+  check_triangles(mesh.triangles, mesh.vertex_count());
   std::vector<float> angles(mesh.triangle_count());
   visit_shapes(whole(mesh), [&](std::size_t first, const TriangleShapes& shapes) {
     std::ranges::transform(shapes.min_angles_deg, &angles[first],

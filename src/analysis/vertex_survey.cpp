@@ -21,7 +21,7 @@
 
 #include "core/multiversion.hpp"
 #include "mesh/groups_by_range.hpp"
-#include "mesh/triangle_check.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {

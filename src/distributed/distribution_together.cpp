@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <utility>
 
 namespace vdwmesh {
@@ -61,25 +60,13 @@ std::optional<Distribution> distribution_together(const Ranks& ranks,
   ValueSummary mine;
   ranks.together([&] { mine = values.summary(); });
   const ValueSummary all = sum_together(ranks, mine);
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (all.count == 0) return Distribution{kNone, kNone, kNone, kNone, kNone, kNone};
-  std::array<double, kPercentiles.size()> percentiles;
-  for (std::size_t p = 0; p < percentiles.size(); ++p) {
-    const std::size_t i = values.brackets().of_percentile[p];
+  const auto value_inside = [&](std::size_t i, std::uint64_t rank) -> std::optional<double> {
     Buffer<double> inside;
     ranks.together([&] { inside = values.inside(i); });
-    const std::uint64_t kept = ranks.sum(std::uint64_t{inside.size()});
-    const std::uint64_t rank = rank_of_percentile(all.count, kPercentiles[p]);
-    if (rank < all.below[i] || rank - all.below[i] >= kept) {
-      if (!is_everything(values.brackets())) return std::nullopt;
-      percentiles[p] = kNone;
-      continue;
-    }
-    percentiles[p] = value_of_rank(ranks, std::move(inside), rank - all.below[i]);
-  }
-  const auto& [p01, median, p99] = percentiles;
-  return Distribution{all.min, p01,     median,
-                      p99,     all.max, all.sum.nearest() / static_cast<double>(all.count)};
+    if (rank >= ranks.sum(std::uint64_t{inside.size()})) return std::nullopt;
+    return value_of_rank(ranks, std::move(inside), rank);
+  };
+  return distribution_of(all, values.brackets(), value_inside);
 }
 
 }  // namespace vdwmesh

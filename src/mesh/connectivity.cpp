@@ -17,9 +17,9 @@
 #include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
 #include "mesh/edge_buckets.hpp"
+#include "mesh/half_edge_limit.hpp"
 #include "mesh/surface_handles.hpp"
 #include "mesh/surface_room.hpp"
-#include "mesh/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {

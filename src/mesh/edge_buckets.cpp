@@ -16,7 +16,8 @@
 
 #include "core/large_pages.hpp"
 #include "mesh/groups_by_range.hpp"
-#include "mesh/triangle_check.hpp"
+#include "mesh/half_edge_limit.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -138,6 +139,7 @@ void fill_on_all_cores(std::span<const Triangle> triangles, std::span<std::uint3
 }  // namespace
 
 EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex_count) {
+  check_triangle_count(triangles.size());
   const TriangleCheck found = check_triangles(triangles, vertex_count);
   repeated_index_ = found.repeated_index;
   resize_untouched(end_, vertex_count);

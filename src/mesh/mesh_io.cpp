@@ -19,7 +19,7 @@
 #include "core/large_pages.hpp"
 #include "core/letters.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/triangle_check.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {

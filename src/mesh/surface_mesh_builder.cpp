@@ -16,9 +16,10 @@
 #include "core/fixed_blocks.hpp"
 #include "mesh/connectivity.hpp"
 #include "mesh/element_color.hpp"
+#include "mesh/half_edge_limit.hpp"
 #include "mesh/surface_handles.hpp"
 #include "mesh/surface_room.hpp"
-#include "mesh/triangle_check.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -14,6 +14,7 @@
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 #include "render/surface_source.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -24,16 +25,13 @@ bool is_finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// Throws InvalidInput for the first triangle that names a vertex that does not exist or that has a
-// vertex which is not finite.
-void check_triangles(const IndexedMesh& mesh) {
+// Throws InvalidInput for the first triangle that names a vertex that does not exist, or for the
+// first that has a vertex which is not finite.
+void check_drawable(const IndexedMesh& mesh) {
   if (mesh.triangles.empty()) throw InvalidInput("the mesh has no triangles; nothing to draw");
+  check_triangles(mesh.triangles, mesh.vertex_count());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
-      if (v >= mesh.vertex_count()) {
-        throw InvalidInput(
-            fmt::format("triangle {} has vertex {}, but there are {}", t, v, mesh.vertex_count()));
-      }
       if (!is_finite(mesh.positions[v])) {
         throw InvalidInput(fmt::format("vertex {} of triangle {} is not finite", v, t));
       }
@@ -165,7 +163,7 @@ Buffer<Vec3f> vertex_normals(const IndexedMesh& mesh) {
 
 MeshSource::MeshSource(const IndexedMesh& mesh, Paint paint)
     : mesh_(mesh), paint_(std::move(paint)) {
-  check_triangles(mesh_);
+  check_drawable(mesh_);
   check_paint(mesh_, paint_);
   moments_ = area_moments(mesh_);
   normals_ = completed_normals(mesh_);

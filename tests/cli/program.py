@@ -81,6 +81,23 @@ def schema_validator(name="report"):
     return jsonschema.Draft202012Validator(schema, resolver=resolver)
 
 
+# Goes with the process, and so do the folders in it.
+_sessions = tempfile.TemporaryDirectory(prefix="vdwmesh-")
+
+
+def ranks_environment():
+    """The environment of one mpirun.
+
+    Open MPI wants to be asked twice before root may start ranks. Ranks that wait for others must leave them the cores,
+    also where there are no more ranks than cores, because several runs share these. Each run has a folder of its own
+    for its sessions: runs of one user at the same time would share one, and the first that ends removes it, which may
+    be just when another one makes its part of it and so cannot start ("ORTE_ERROR_LOG: Error in file session_dir.c").
+    """
+    return {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            "OMPI_MCA_mpi_yield_when_idle": "1",
+            "OMPI_MCA_orte_tmpdir_base": tempfile.mkdtemp(dir=_sessions.name)}  # fmt: skip
+
+
 class ProgramTest(unittest.TestCase):
     """Each test has an empty folder of its own."""
 

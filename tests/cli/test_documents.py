@@ -17,7 +17,8 @@ import sys
 import unittest
 
 from documented import CODE, FENCE
-from program import PROGRAM, SOURCE_DIR, ProgramTest, is_required, need_package, need_shared, parse_json
+from program import (PROGRAM, SOURCE_DIR, ProgramTest, is_required, need_package, need_shared, parse_json,
+                     ranks_environment)  # fmt: skip
 
 IMAGES = SOURCE_DIR / "docs" / "images"
 PAGES = [SOURCE_DIR / "docs" / "start.md", *sorted((SOURCE_DIR / "docs" / "tasks").glob("*.md"))]
@@ -104,10 +105,8 @@ class Documents(PictureTest):
 
     def run_block(self, page, text):
         self.prepare(text)
-        environment = dict(os.environ, PATH=f"{self.folder / 'bin'}:{os.path.dirname(PROGRAM)}:{os.environ['PATH']}")
+        environment = dict(ranks_environment(), PATH=f"{self.folder / 'bin'}:{os.path.dirname(PROGRAM)}:{os.environ['PATH']}")
         environment["PYTHONWARNINGS"] = "ignore"
-        for name in ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"):
-            environment[name] = "1"
         result = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, env=environment, timeout=3000,
             capture_output=True, text=True)  # fmt: skip

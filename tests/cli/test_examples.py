@@ -15,7 +15,8 @@ import tarfile
 
 import binary_cif
 from documented import CODE, FENCE
-from program import PROGRAM, SOURCE_DIR, UBIQUITIN, ProgramTest, is_required, need_package, parse_json
+from program import (PROGRAM, SOURCE_DIR, UBIQUITIN, ProgramTest, is_required, need_package, parse_json,
+                     ranks_environment)  # fmt: skip
 
 RUN = ("README.md", "docs/batch.md", "docs/exact_mesh.md", "docs/pictures.md", "docs/scale.md", "docs/verbs.md")
 PROSE = ("README.md", "docs/concepts.md", "docs/index.md", "docs/install.md", "docs/pictures.md", "docs/start.md",
@@ -135,10 +136,9 @@ class Examples(ProgramTest):
         """The command as it stands, but for the number of processes, and one of the kinds of INPUT."""
         command = line.replace("FOLDER|LIST|TAR", "FOLDER").replace("mpirun -n 8", "mpirun -n 2")
         command = command.replace("mpirun", "mpirun --oversubscribe")
-        allowed = {f"OMPI_ALLOW_RUN_AS_ROOT{end}": "1" for end in ("", "_CONFIRM")}
         result = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", command], cwd=self.folder, capture_output=True, text=True, timeout=300,
-            env=dict(os.environ, PATH=f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}", **allowed))  # fmt: skip
+            env=dict(ranks_environment(), PATH=f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}"))  # fmt: skip
         self.assertEqual(result.returncode, 0, f"{line}\n{result.stderr}")
 
     def can_run(self, line):

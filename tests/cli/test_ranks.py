@@ -16,15 +16,11 @@ import time
 import unittest
 from pathlib import Path
 
-from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, missing, need_package, need_shared, run
+from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, missing, need_package, need_shared, ranks_environment, run
 
 RANKS_PROGRAM = os.environ["VDWMESH_RANKS_PROGRAM"]
 MPIRUN = os.environ["VDWMESH_MPIRUN"]
 HAS_HDF5 = os.environ["VDWMESH_RANKS_HDF5"] == "1"
-# Open MPI wants to be asked twice before root may start ranks. Ranks that wait for others must leave them the cores,
-# also where there are no more ranks than cores, because several runs share these.
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_mpi_yield_when_idle": "1"}  # fmt: skip
 
 ONE_ATOM = "0 0 0 1.7\n"
 FAR_APART = "0 0 0 1.7\n50 0 0 1.2\n0 60 3 1.5\n1 2 300 2\n"
@@ -51,7 +47,7 @@ def command(ranks, *arguments, quiet=("-q",)):
 
 def run_ranks(ranks, *arguments, quiet=("-q",), **options):
     return subprocess.run(command(ranks, *arguments, quiet=quiet), capture_output=True, text=True, timeout=300,
-                          env=ENVIRONMENT, **options)  # fmt: skip
+                          env=ranks_environment(), **options)  # fmt: skip
 
 
 def at_once(calls):
@@ -178,7 +174,7 @@ class Meshes(RanksTest):
 
     def test_a_rank_without_vertices_of_its_own_has_normals(self):
         start = [MPIRUN, "-q", "--oversubscribe", "-n", "3", os.environ["VDWMESH_RANK_WITHOUT_VERTICES"]]
-        result = subprocess.run(start, capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
+        result = subprocess.run(start, capture_output=True, text=True, timeout=60, env=ranks_environment())
         self.assertEqual((result.returncode, result.stderr), (0, ""))
 
     def test_subdivisions_of_few_and_far_atoms(self):
@@ -393,10 +389,10 @@ class ExactUnions(RanksTest):
         """The first rank may make no file of the size of the spheres, not even in memory."""
         limited = 'if [ "$OMPI_COMM_WORLD_RANK" = 0 ]; then ulimit -f 1; trap "" XFSZ; fi; exec "$@"'
         start = command(3, "exact", UBIQUITIN)
-        expected = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        expected = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
         place = start.index(RANKS_PROGRAM)
         start[place:place] = ["bash", "-c", limited, "bash"]
-        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
         self.assertEqual(result.returncode, DONE, result.stderr)
         times = r"(?m)^(Time|CPU) \(s\).*$"
         self.assertEqual(re.sub(times, "", result.stdout), re.sub(times, "", expected.stdout))
@@ -467,7 +463,7 @@ class Faults(RanksTest):
         start = command(3, *self.mesh("--mesher", "exact", "--edge-length", "0.8", "--threads", "1", "--quiet", to=to))
         place = start.index(RANKS_PROGRAM)
         start[place:place] = ["env", f"LD_PRELOAD={library}", *([f"FAIL_ALLOCATION={number}"] if number else [])]
-        return subprocess.run(start, capture_output=True, text=True, timeout=120, env=ENVIRONMENT)
+        return subprocess.run(start, capture_output=True, text=True, timeout=120, env=ranks_environment())
 
     def test_a_rank_without_memory_ends_all(self):
         """At a dozen places of the run."""
@@ -487,7 +483,7 @@ class Faults(RanksTest):
         start = command(3, *self.mesh(to=to))
         place = start.index(RANKS_PROGRAM)
         start[place:place] = ["bash", "-c", limited, "bash"]
-        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
         self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
         self.assertRegex(result.stderr, rf"(?m)^vdwmesh-mpi: {says}")
         self.assertEqual(result.stderr.count("vdwmesh-mpi:"), 1, result.stderr)
@@ -511,7 +507,7 @@ class Faults(RanksTest):
         # mpirun keeps files in TMPDIR too, so only the ranks get this one.
         start = command(2, *self.mesh(to="a.vtkhdf"))
         start[start.index(RANKS_PROGRAM):start.index(RANKS_PROGRAM)] = ["env", f"TMPDIR={scratch}"]  # fmt: skip
-        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
         self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
         self.assertRegex(result.stderr, r"\Avdwmesh-mpi: [^\n]*a\.vtkhdf: [^\n]*scratch[^\n]*TMPDIR[^\n]*\n\Z")
         self.assertEqual(self.files(), ["scratch"])
@@ -519,7 +515,7 @@ class Faults(RanksTest):
     def end_while_writing(self, end, to="a.ply"):
         """Starts a run, stops its ranks as soon as its file is being written, calls end(process, ranks), lets them
         go on, and returns the exit status. Stopped ranks cannot complete the file in the meantime."""
-        process = subprocess.Popen(command(3, *self.mesh("--spacing", "0.1", "--quiet", to=to)), env=ENVIRONMENT,
+        process = subprocess.Popen(command(3, *self.mesh("--spacing", "0.1", "--quiet", to=to)), env=ranks_environment(),
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
         ranks = []
         while len(ranks) < 3 and process.poll() is None:
@@ -568,7 +564,7 @@ class Faults(RanksTest):
     def test_a_rank_that_fails_after_a_failure_that_was_caught(self):
         """All end, as they would not if they took the first failure for one that leaves nobody waiting."""
         start = [MPIRUN, "-q", "--oversubscribe", "-n", "3", os.environ["VDWMESH_RANKS_AFTER_FAILURE"]]
-        result = subprocess.run(start, capture_output=True, text=True, timeout=120, env=ENVIRONMENT)
+        result = subprocess.run(start, capture_output=True, text=True, timeout=120, env=ranks_environment())
         self.assertEqual((result.returncode, result.stderr), (LIMIT_HIT, "rank 2 ends all\n"))
 
 

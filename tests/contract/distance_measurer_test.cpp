@@ -171,7 +171,8 @@ TEST_P(DistanceMeasurerContract, RefusesWhatHasNoDistances) {
   expect_refused<InvalidInput>([&] { measure(broken, unit_ball()); }, "vertex 7");
   IndexedMesh stray = good;
   stray.triangles[3][1] = 1000;
-  expect_refused<InvalidInput>([&] { measure(stray, unit_ball()); }, "triangle 3 has vertex 1000");
+  expect_refused<InvalidInput>([&] { measure(stray, unit_ball()); },
+                               "triangle 3 names vertex 1000");
   expect_refused<InvalidInput>([&] { measure(scaled(good, 0), unit_ball()); }, "no area");
   for (const double samples : {0.0, -1.0, kNaN}) {
     expect_refused<InvalidInput>([&] { measure(good, unit_ball(), {.samples_per_area = samples}); },

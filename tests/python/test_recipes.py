@@ -40,8 +40,7 @@ class Recipes(ProgramTest):
         self.assertLessEqual(len([line for line in recipe.splitlines() if line.strip()]), 12)
         path = self.folder / "recipe"
         path.write_text(recipe)
-        environment = {**os.environ, "HOME": str(self.folder), "OMPI_ALLOW_RUN_AS_ROOT": "1",
-                       "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1",
+        environment = {**program.ranks_environment(), "HOME": str(self.folder), "OMP_NUM_THREADS": "1",
                        "PATH": f"{pathlib.Path(program.PROGRAM).parent}:{os.environ['PATH']}", **variables}
         result = subprocess.run([*command, path], cwd=self.folder, env=environment, text=True,
                                 capture_output=True, timeout=120)

@@ -335,7 +335,7 @@ TEST(Distances, RefusesWhatHasNoDistances) {
   expect_invalid([&] { vertex_distances(broken, unit_ball()); }, "vertex 7");
   IndexedMesh stray = good;
   stray.triangles[3][1] = 12;
-  expect_invalid([&] { distances(stray, unit_ball()); }, "triangle 3 has vertex 12");
+  expect_invalid([&] { distances(stray, unit_ball()); }, "triangle 3 names vertex 12");
   expect_invalid([&] { distances(scaled(good, 0), unit_ball()); }, "no area");
   for (const double samples : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
     expect_invalid([&] { distances(good, unit_ball(), {.samples_per_area = samples}); }, "samples");

@@ -33,7 +33,7 @@ TEST(MeshSource, BrokenMeshesAreRefusedByName) {
   expect_says(refusal(empty_mesh()), "no triangles");
   IndexedMesh mesh = tetrahedron();
   mesh.triangles[2][1] = 77;
-  expect_says(refusal(mesh), "triangle 2 has vertex 77");
+  expect_says(refusal(mesh), "triangle 2 names vertex 77");
   mesh = tetrahedron();
   mesh.positions[1].y = std::numeric_limits<double>::infinity();
   expect_says(refusal(mesh), "vertex 1");

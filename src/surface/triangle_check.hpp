@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -10,15 +9,9 @@
 
 namespace vdwmesh {
 
-// The most half-edges that a SurfaceMesh can have, because OpenMesh's handles are of type int.
-inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
-
 // Throws InvalidInput unless each optional array of the mesh is empty or has one element per
 // vertex, triangle or half-edge.
 void check_array_sizes(const IndexedMesh& mesh);
-
-// Throws LimitExceeded for triangles that have more half-edges than that.
-void check_triangle_count(std::size_t triangles);
 
 struct TriangleCheck {
   // The number of the first triangle that names a vertex twice, if there is one. This is no error
@@ -27,8 +20,8 @@ struct TriangleCheck {
   std::size_t half_edges = 0;  // those whose ends differ
 };
 
-// Throws InvalidInput if a triangle has an index of vertex_count or more, and LimitExceeded beyond
-// 2^31 - 1 half-edges. On all cores.
+// Throws InvalidInput, which names the first of them, if a triangle has an index of vertex_count or
+// more. On all cores.
 TriangleCheck check_triangles(std::span<const Triangle> triangles, std::size_t vertex_count);
 
 }  // namespace vdwmesh

@@ -1,6 +1,6 @@
 // check_triangles(): one parallel reduction over the triangles finds the first that names a vertex
 // that does not exist, the first that names one twice, and the number of half-edges.
-#include "mesh/triangle_check.hpp"
+#include "surface/triangle_check.hpp"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -62,16 +62,7 @@ void check_array_sizes(const IndexedMesh& mesh) {
   check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
 }
 
-void check_triangle_count(std::size_t triangles) {
-  if (triangles <= kMaxSurfaceHalfEdges / 3) return;
-  throw LimitExceeded(fmt::format(
-      "{} triangles have more than the {} half-edges a mesh can hold; a coarser spacing "
-      "makes fewer",
-      triangles, kMaxSurfaceHalfEdges));
-}
-
 TriangleCheck check_triangles(std::span<const Triangle> triangles, std::size_t vertex_count) {
-  check_triangle_count(triangles.size());
   const IndexSurvey found = survey_indices(triangles, vertex_count);
   // The vertex that the message names is the largest of the triangle, hence one that is too large.
   if (found.invalid_index)
