@@ -26,7 +26,7 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
     const double radius = atom.radius + probe;
     if (!(radius > 0)) {
       throw InvalidInput(fmt::format(
-          "--probe {}: atom {} of radius {} Å would have {} Å; every radius must stay above 0",
+          "--probe {}: atom {} of radius {} Å would have {:g} Å; every radius must stay above 0",
           probe, label_of(atom), atom.radius, radius));
     }
     spheres.push_back({atom.position, radius});

@@ -151,7 +151,7 @@ double grown_radius(double radius, double probe, const char* name, std::size_t i
   const double grown = radius + probe;
   if (grown > 0) return grown;
   throw InvalidInput(
-      fmt::format("{}[{}]: {} with probe {} would be {}; every radius must stay above 0", name,
+      fmt::format("{}[{}]: {} with probe {} would be {:g}; every radius must stay above 0", name,
                   index, radius, probe, grown));
 }
 

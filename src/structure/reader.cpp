@@ -73,9 +73,10 @@ void check_ranges(const ParsedFile& file) {
     const Vec3d& p = atom.position;
     const double far = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     if (far <= kFarthest && atom.radius <= kFarthest) continue;
+    const bool has_rows = file.format.ends_with("cif");
     throw FileFormatError(fmt::format(
-        "{}:{} {}: {} of {:g} Å; coordinates and radii of up to {:g} Å can be meshed", file.path,
-        file.format.ends_with("cif") ? "row" : "line", atom.line,
+        "{}:{}{}{}: {} of {:g} Å; coordinates and radii of up to {:g} Å can be meshed", file.path,
+        has_rows ? " row " : "", atom.line, has_rows ? " of _atom_site" : "",
         far <= kFarthest ? "a radius" : "a coordinate", std::max(far, atom.radius), kFarthest));
   }
 }

@@ -147,7 +147,8 @@ function qualityGroups(input) {
 
 async function drawQuality() {
   const runs = qualityGroups(currentInput()).get(byId("quality-choice").value) ?? [];
-  const levels = runs.map((r) => [r, `${r.parameters.subdivide} subdivisions`]);
+  const named = (n) => n === 1 ? "1 subdivision" : `${n} subdivisions`;
+  const levels = runs.map((r) => [r, named(r.parameters.subdivide)]);
   const kinds = [["min_angle_deg", "Smallest angle of each triangle", "degrees"],
     ["aspect_ratio", "Aspect ratio (circumradius / 2 inradius)", "1 is equilateral"],
     ["edge_length", "Edge length", "Å"]];
