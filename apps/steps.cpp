@@ -20,6 +20,11 @@
 namespace vdwmesh::apps {
 namespace {
 
+// The grid on which the mesh was made, if it was made here.
+std::optional<GridSpec> grid_of(const Report& report) {
+  return report.parameters ? report.parameters->grid : std::nullopt;
+}
+
 // Returns the report of the input: a copy of all members of the molecule but its atoms. The atoms
 // are moved out while the copy is made, and then put back.
 InputReport input_of(Molecule& molecule, const InputOptions& options) {
@@ -283,7 +288,8 @@ LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<Leve
     LapClock clock;
     LevelReport record{examine(mesh), level, {}};
     if (wanted == SelfIntersections::count) {
-      record.self_intersections = self_intersections(mesh, nullptr, edges_of(record.topology));
+      record.self_intersections =
+          self_intersections(mesh, nullptr, edges_of(record.topology), grid_of(session.report));
     }
     levels.push_back(record);
     add(session.report.timing.levels, clock.lap());
@@ -331,7 +337,8 @@ void examine_untimed(const IndexedMesh& mesh, Session& session) {
 
 void self_intersections_untimed(const IndexedMesh& mesh, Session& session) {
   MeshReport& report = *session.report.mesh;
-  report.self_intersections = self_intersections(mesh, session.monitor, edges_of(report.topology));
+  report.self_intersections =
+      self_intersections(mesh, session.monitor, edges_of(report.topology), grid_of(session.report));
 }
 
 void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session) {

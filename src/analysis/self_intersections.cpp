@@ -1,13 +1,14 @@
 // self_intersections(): finds the pairs of triangles that intersect.
 //
-// The candidates are the pairs whose bounding boxes overlap, found in a FacetTree. If the mesh is
-// known to be closed and oriented, and was divided, a leaf of the tree is a patch, a divided
-// triangle. Nearly all patches that meet are in one star, where no triangles intersect
-// (surface/star_fans.hpp). Others are found apart four at a time (facet_leaf_apart.hpp) or decided
-// by the filter of facet_pair.hpp, and the last ones by exact predicates. The unit of work is one
-// bottom node of the tree, called home: its 32 triangles are paired with each other and with those
-// of every bottom node behind it whose box overlaps. So each pair is found once, by one thread, and
-// the result does not depend on the number of threads.
+// If the mesh lies in the cells of a grid, as marching cubes leaves it, only triangles of one cell
+// can intersect (analysis/cell_pairs.hpp). Otherwise the candidates are the pairs whose bounding
+// boxes overlap, found in a FacetTree. If the mesh is known to be closed and oriented, and was
+// divided, a leaf of the tree is a patch, a divided triangle. Nearly all patches that meet are in
+// one star, where no triangles intersect (surface/star_fans.hpp). Others are found apart four at a
+// time (facet_leaf_apart.hpp) or decided by the filter of facet_pair.hpp, and the last ones by
+// exact predicates. The unit of work is one bottom node of the tree, called home: its 32 triangles
+// are paired with each other and with those of every bottom node behind it whose box overlaps. So
+// each pair is found once, by one thread, and the result does not depend on the number of threads.
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include <mutex>
 #include <vector>
 
+#include "analysis/cell_pairs.hpp"
 #include "analysis/facet_leaf_apart.hpp"
 #include "analysis/facet_pair_exact.hpp"
 #include "analysis/facet_tree.hpp"
@@ -33,12 +35,6 @@ namespace {
 
 constexpr std::size_t kWidth = FacetTree::kWidth;
 constexpr std::size_t kNodesPerBlock = 64;
-
-bool do_intersect(const Facet& a, const Facet& b) {
-  const Matching& m = match(a.vertex, b.vertex);
-  const Meeting found = meeting(a, b, m);
-  return found == Meeting::unsure ? intersect_exactly(a, b, m) : found == Meeting::intersect;
-}
 
 // The corners with a star of a leaf that is a patch, or kNone.
 using LeafStars = std::array<std::uint32_t, 3>;
@@ -253,8 +249,8 @@ VDWMESH_MULTIVERSION void search_from(const Searched& mesh, std::size_t first, s
 }
 
 // The same for all bottom nodes, from several threads.
-void search(const IndexedMesh& mesh, MeshEdges edges, Monitor* monitor, const TakePairs& take) {
-  advance(monitor, 0);
+void search_tree(const IndexedMesh& mesh, MeshEdges edges, Monitor* monitor,
+                 const TakePairs& take) {
   const StarFans fans = edges == MeshEdges::paired ? fans_of_divided(mesh) : StarFans();
   const FacetTree tree(mesh);
   const Buffer<LeafStars> stars = stars_of_leaves(mesh, tree, fans);
@@ -269,20 +265,29 @@ void search(const IndexedMesh& mesh, MeshEdges edges, Monitor* monitor, const Ta
       monitor);
 }
 
+void search(const IndexedMesh& mesh, MeshEdges edges, const std::optional<GridSpec>& grid,
+            Monitor* monitor, const TakePairs& take) {
+  advance(monitor, 0);
+  const auto pairs = grid ? pairs_within_cells(mesh, *grid, monitor) : std::nullopt;
+  pairs ? take(*pairs) : search_tree(mesh, edges, monitor, take);
+}
+
 }  // namespace
 
-std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor, MeshEdges edges) {
+std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor, MeshEdges edges,
+                                 const std::optional<GridSpec>& grid) {
   std::atomic<std::uint64_t> count{0};
-  search(mesh, edges, monitor, [&](const TrianglePairs& pairs) {
+  search(mesh, edges, grid, monitor, [&](const TrianglePairs& pairs) {
     count.fetch_add(pairs.size(), std::memory_order_relaxed);
   });
   return count;
 }
 
-TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor, MeshEdges edges) {
+TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor, MeshEdges edges,
+                                 const std::optional<GridSpec>& grid) {
   TrianglePairs all;
   std::mutex guard;
-  search(mesh, edges, monitor, [&](const TrianglePairs& pairs) {
+  search(mesh, edges, grid, monitor, [&](const TrianglePairs& pairs) {
     const std::lock_guard lock(guard);
     all.insert(all.end(), pairs.begin(), pairs.end());
   });
