@@ -3,22 +3,25 @@
 // pass only marks such vertices (MoveState::to_undo). take_back_bad_moves() in the header then puts
 // them back (MoveState::just_undone) and starts the next pass, until a pass marks nothing.
 //
-// A patch is a group of triangles that share vertices: one given triangle, or a parent triangle's
-// four children (refine/level_view.hpp). Turned triangles are found patch by patch (is_turned()).
-// Crossing triangles are found in a uniform grid in which patches are listed. Two patches with
-// triangles that cross share a cell. Of the cells that two patches share, they are tested in the
-// one with the lowest numbers along all axes, so that each pair is tested once. The tests of a pair
-// get more expensive, and each drops most of the pairs that it sees:
+// A patch is a group of triangles that share vertices: one given triangle, a parent triangle's four
+// children, or the 16 children of four parent triangles with one parent (refine/level_view.hpp). In
+// the last case it has four parts, which are the patches of four children. Turned triangles are
+// found patch by patch (is_turned()). Crossing triangles are found in a uniform grid in which
+// patches are listed. Two patches with triangles that cross share a cell. Of the cells that two
+// patches share, they are tested in the one with the lowest numbers along all axes, so that each
+// pair is tested once. The tests of a pair get more expensive, and each drops most of the pairs
+// that it sees:
 // 1. The boxes of the patches must overlap. Eight boxes are tested at a time
 //    (refine/box_lanes.hpp).
 // 2. A pair is dropped if the patches share a corner around which all patches are a star, for
-//    none of these cross (refine/patch_fans.hpp), or if a plane keeps the two patches apart
-//    (refine/patch_outline.hpp).
-// 3. For each triangle of one patch, those of the other that cannot cross it are dropped. All four
+//    none of these cross (refine/patch_fans.hpp).
+// 3. Of patches with several parts, pairs of parts are dropped whose boxes have no point in common.
+// 4. A pair of parts is dropped if a plane keeps the two apart (refine/patch_outline.hpp).
+// 5. For each triangle of one part, those of the other that cannot cross it are dropped. All four
 //    are tested at a time (refine/patch_lanes.hpp).
-// 4. The two triangles must cross (triangles_cross()).
-// Passes after the first check only the patches and cells around the vertices that were just put
-// back.
+// 6. The two triangles must cross (triangles_cross()).
+// Passes after the first check only the patches with a vertex that was just put back, and their
+// pairs with others (must_test()).
 //
 // Threads mark vertices while other threads read states, yet the result is always the same. Marking
 // turns `moved` into `to_undo` and nothing else, and a pass asks two questions about a state: is it
@@ -29,6 +32,7 @@
 #include <atomic>
 #include <bit>
 #include <deque>
+#include <span>
 #include <vector>
 
 #include "refine/box_lanes.hpp"
@@ -46,13 +50,30 @@ bool is_just_undone(MoveState state) { return state == MoveState::just_undone; }
 
 }  // namespace
 
-// What tests 3 and 4 need to know about one patch. It is gathered when the first pair with this
-// patch reaches test 3 in a cell, and serves all later pairs of the cell.
+// What tests 5 and 6 need to know about one part of a patch. It is gathered when the first pair
+// with this part reaches test 5 in a cell, and serves all later pairs of the cell.
 template <class Level>
-struct BadMoves<Level>::Patch {
-  Vertices vertex;
+struct BadMoves<Level>::GatheredPart {
+  std::array<std::uint32_t, Part::kVertices> vertex;
   PatchLanes triangles;
   std::uint32_t moved;  // mask of the triangles with a moved vertex that has not been put back
+};
+
+// The boxes of the four parts of a patch, where their vertices are now, by axis and lane.
+template <class Level>
+struct BadMoves<Level>::PartBoxes {
+  alignas(32) double lower[3][kLanes], upper[3][kLanes];
+
+  // Bit k tells whether part `part` of the other patch and part k of this one have boxes with a
+  // point in common.
+  VDWMESH_INLINE std::uint32_t overlapping(const PartBoxes& other, std::size_t part) const {
+    LaneBits all = all_bits(-1);
+    for (int axis = 0; axis < 3; ++axis) {
+      all &= (lanes_at(lower[axis]) <= all_lanes(other.upper[axis][part])) &
+             (lanes_at(upper[axis]) >= all_lanes(other.lower[axis][part]));
+    }
+    return bits_of(all);
+  }
 };
 
 template <class Level>
@@ -143,84 +164,111 @@ bool BadMoves<Level>::mark_turned(const Vertices& v) {
   return any;
 }
 
-// Fills `patch` for patch t of the level: its vertices, its triangles side by side for test 3, and
-// which of the triangles have a moved vertex.
+// Fills `gathered` for part t of the level: its vertices, its triangles side by side for test 5,
+// and which of the triangles have a moved vertex.
 template <class Level>
-void BadMoves<Level>::gather(std::size_t t, Patch& patch) {
-  constexpr auto kTriangles = static_cast<std::size_t>(Level::kTriangles);
+void BadMoves<Level>::gather(std::size_t t, GatheredPart& gathered) {
+  constexpr auto kTriangles = static_cast<std::size_t>(Part::kTriangles);
   static_assert(kTriangles <= kLanes);
-  patch.vertex = level_.vertices(t);
-  patch.moved = 0;
-  std::array<Vec3d, Level::kVertices> position;
-  std::array<SphereId, Level::kVertices> atom;
-  std::array<std::uint32_t, Level::kVertices> away;
-  for (std::size_t i = 0; i < patch.vertex.size(); ++i) {
-    const std::uint32_t v = patch.vertex[i];
+  gathered.vertex = parts().vertices(t);
+  gathered.moved = 0;
+  std::array<Vec3d, Part::kVertices> position;
+  std::array<SphereId, Part::kVertices> atom;
+  std::array<std::uint32_t, Part::kVertices> away;
+  for (std::size_t i = 0; i < gathered.vertex.size(); ++i) {
+    const std::uint32_t v = gathered.vertex[i];
     position[i] = level_.mesh.positions[v];
     atom[i] = level_.mesh.vertex_spheres.atoms[v];
     away[i] = is_away(state_of(level_, move_states_, v)) ? 1 : 0;
   }
   for (std::size_t child = 0; child < kTriangles; ++child) {
-    const auto corner = Level::triangle(static_cast<int>(child));
+    const auto corner = Part::triangle(static_cast<int>(child));
     const auto i = static_cast<std::size_t>(corner[0]), j = static_cast<std::size_t>(corner[1]),
                k = static_cast<std::size_t>(corner[2]);
     const bool one_atom = atom[i] == atom[j] && atom[i] == atom[k];
-    patch.triangles.set(child, {{patch.vertex[i], patch.vertex[j], patch.vertex[k]},
-                                {position[i], position[j], position[k]},
-                                one_atom ? atom[i] : kNoSphere});
-    patch.moved |= (away[i] | away[j] | away[k]) << child;
+    gathered.triangles.set(child, {{gathered.vertex[i], gathered.vertex[j], gathered.vertex[k]},
+                                   {position[i], position[j], position[k]},
+                                   one_atom ? atom[i] : kNoSphere});
+    gathered.moved |= (away[i] | away[j] | away[k]) << child;
   }
-  patch.triangles.complete(kTriangles);
+  gathered.triangles.complete(kTriangles);
 }
 
-// The patches of one cell; arrays are by the number of the patch in the cell's list. Each thread
-// keeps one object from cell to cell, so that memory is allocated only a few times. The arrays may
-// therefore be longer than the list, with values of earlier cells at the end.
+// The patches of one cell; arrays are by the number of the patch in the cell's list, or by that of
+// the part: part a of patch i has the number kParts i + a. Each thread keeps one object from cell
+// to cell, so that memory is allocated only a few times. The arrays may therefore be longer than
+// the list, with values of earlier cells at the end.
 template <class Level>
 struct BadMoves<Level>::CellPatches {
+  std::span<const std::uint32_t> listed;
   BoxLanes boxes;
   std::vector<std::uint8_t> begins;  // bit a: the cell is the first one of the patch along axis a
+  // By block of BoxLanes::kLanes patches, a bit for each: whether this pass must test the patch.
+  std::vector<std::uint32_t> must_test;
   SharedStars stars;
   // Made when the first pair needs them, for nearly all pairs share a star.
+  std::vector<PartBoxes> part_boxes;
+  std::vector<std::uint8_t> has_part_boxes;
   std::vector<PatchOutline> outlines;
   std::vector<std::uint8_t> has_outline;
   double reach;  // Å, see take_boxes()
-  // The patches with a pair that reached test 3: the first `gathered_count` elements are of this
+  // The parts with a pair that reached test 5: the first `gathered_count` elements are of this
   // cell. A deque, because references to elements must stay valid while others are appended.
-  std::deque<Patch> gathered;
+  std::deque<GatheredPart> gathered;
   std::size_t gathered_count = 0;
-  std::vector<std::uint32_t> slot;  // index in `gathered` plus 1; 0 if the patch is not there
+  std::vector<std::uint32_t> slot;  // index in `gathered` plus 1; 0 if the part is not there
 
-  void resize(std::size_t patches) {
-    boxes.resize(patches);
-    stars.resize(patches);
-    slot.assign(patches, 0);
-    has_outline.assign(patches, 0);
+  void take(std::span<const std::uint32_t> patches) {
+    listed = patches;
+    const std::size_t count = patches.size();
+    boxes.resize(count);
+    stars.resize(count);
+    must_test.assign(count / BoxLanes::kLanes + 1, 0);
+    has_part_boxes.assign(count, 0);
+    has_outline.assign(kParts * count, 0);
+    slot.assign(kParts * count, 0);
     gathered_count = 0;
-    if (patches <= begins.size()) return;
-    begins.resize(patches);
-    outlines.resize(patches);
+    if (count <= begins.size()) return;
+    begins.resize(count);
+    if (kParts > 1) part_boxes.resize(count);
+    outlines.resize(kParts * count);
+  }
+  // The part of the level that has this number in the cell.
+  std::size_t part_of_level(std::size_t part) const {
+    return kParts * listed[part / kParts] + part % kParts;
   }
 };
 
-// Takes the boxes of the patches of a cell, and which of their corners have stars. Returns a
-// length (Å) by which any two vertices of these patches differ at most along each axis. This is
-// the sum of the three sides of the box around all boxes; length_of() adds the rounding of the
-// boxes to float32.
+// Whether this pass must test a patch, with itself and with all others near. A pair of patches is
+// left out if neither of the two must be tested. In the first pass these are all patches, or if few
+// vertices moved, those with a vertex away from where it started, since only pairs with one of them
+// are tested. Later they are those with a vertex that was just put back: other pairs are as they
+// were in the pass before. If two of their triangles crossed then, one of them had a moved vertex,
+// which was put back.
 template <class Level>
-double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
+bool BadMoves<Level>::must_test(const Vertices& v) {
+  if (pass_ > 0) return has_vertex<is_just_undone>(v);
+  return !fans_.empty() || has_vertex<is_away>(v);
+}
+
+// Takes the boxes of the patches of a cell, which of them must be tested, and which of their
+// corners have stars. Returns a length (Å) by which any two vertices of these patches differ at
+// most along each axis. This is the sum of the three sides of the box around all boxes; length_of()
+// adds the rounding of the boxes to float32.
+template <class Level>
+double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) {
   const auto listed = grid_->patches_in(cell);
   const PatchGrid::Place place = grid_->place_of(cell);
-  here.resize(listed.size());
+  here.take(listed);
   std::array<float, 3> lower = grid_->box_of_patch(listed[0]).lower, upper = lower;
   for (std::size_t j = 0; j < listed.size(); ++j) {
     const CellBox& box = grid_->box_of_patch(listed[j]);
     const PatchGrid::Place first = grid_->place_of(box.lower);
     here.boxes.set(j, box);
-    // Only patches of Midpoints, with three corners and three midpoints, have stars.
-    if constexpr (Level::kVertices == 6) {
-      here.stars.set(j, fans_, level_.parent.triangles[listed[j]]);
+    if (must_test(level_.vertices(listed[j]))) {
+      here.must_test[j / BoxLanes::kLanes] |= 1u << j % BoxLanes::kLanes;
     }
+    if constexpr (kHasFans) here.stars.set(j, fans_, level_.corners(listed[j]));
     int begins = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lower[axis] = std::min(lower[axis], box.lower[axis]);
@@ -237,90 +285,146 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
   return reach;
 }
 
-// Returns the outline of a patch of a cell, relative to a vertex of the first patch, so that no
-// coordinate exceeds the reach.
+// Returns the boxes of the parts of patch i of a cell.
 template <class Level>
-const PatchOutline& BadMoves<Level>::outline(std::size_t cell, std::size_t i,
-                                             CellPatches& here) const {
-  if (here.has_outline[i] != 0) return here.outlines[i];
-  const auto listed = grid_->patches_in(cell);
-  const Buffer<Vec3d>& positions = level_.mesh.positions;
-  const Vec3d origin = positions[level_.vertices(listed[0])[0]];
-  const Vertices v = level_.vertices(listed[i]);
-  std::array<Vec3d, Level::kVertices> position;
-  for (std::size_t k = 0; k < v.size(); ++k) position[k] = positions[v[k]] - origin;
-  here.outlines[i].set(v, position, here.reach);
-  here.has_outline[i] = 1;
-  return here.outlines[i];
+const typename BadMoves<Level>::PartBoxes& BadMoves<Level>::boxes_of_parts(
+    std::size_t i, CellPatches& here) const {
+  PartBoxes& boxes = here.part_boxes[i];
+  if (here.has_part_boxes[i] != 0) return boxes;
+  here.has_part_boxes[i] = 1;
+  for (std::size_t a = 0; a < kParts; ++a) {
+    Box box = empty_box();
+    for (const std::uint32_t v : parts().vertices(kParts * here.listed[i] + a)) {
+      include(box, level_.mesh.positions[v]);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      boxes.lower[axis][a] = box.lower[axis];
+      boxes.upper[axis][a] = box.upper[axis];
+    }
+  }
+  return boxes;
 }
 
-// Whether a patch must be tested with itself. If a corner of the patch has a star around it, no two
-// of its children cross. If all vertices have one atom, triangles_cross() would report nothing:
-// each two of the four children share a vertex, and it leaves such pairs of one atom to
-// mark_turned(). Otherwise planes may keep the children apart.
+// Returns the outline of a part in a cell, relative to a vertex of the first patch, so that no
+// coordinate exceeds the reach.
 template <class Level>
-bool BadMoves<Level>::may_cross_itself(std::size_t cell, std::size_t i, CellPatches& here) const {
-  if constexpr (Level::kTriangles == 1) return false;
-  if (here.stars.has_star(i)) return false;
+const PatchOutline& BadMoves<Level>::outline(std::size_t part, CellPatches& here) const {
+  PatchOutline& outline = here.outlines[part];
+  if (here.has_outline[part] != 0) return outline;
+  here.has_outline[part] = 1;
+  const Buffer<Vec3d>& positions = level_.mesh.positions;
+  const Vec3d origin = positions[parts().vertices(kParts * here.listed[0])[0]];
+  const auto v = parts().vertices(here.part_of_level(part));
+  std::array<Vec3d, Part::kVertices> position;
+  for (std::size_t k = 0; k < v.size(); ++k) position[k] = positions[v[k]] - origin;
+  outline.set(v, position, here.reach);
+  return outline;
+}
+
+// Returns what gather() finds of a part in a cell.
+template <class Level>
+const typename BadMoves<Level>::GatheredPart& BadMoves<Level>::gathered(std::size_t part,
+                                                                        CellPatches& here) {
+  if (here.slot[part] == 0) {
+    const std::size_t next = here.gathered_count++;
+    if (next == here.gathered.size()) here.gathered.emplace_back();
+    gather(here.part_of_level(part), here.gathered[next]);
+    here.slot[part] = static_cast<std::uint32_t>(next + 1);
+  }
+  return here.gathered[here.slot[part] - 1];
+}
+
+// Whether a part must be tested with itself. If all its vertices have one atom, triangles_cross()
+// would report nothing: each two of the four children share a vertex, and it leaves such pairs of
+// one atom to mark_turned(). Otherwise planes may keep the children apart.
+template <class Level>
+bool BadMoves<Level>::may_cross_itself(std::size_t part, CellPatches& here) const {
+  if constexpr (Part::kTriangles == 1) return false;
   const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
-  const Vertices v = level_.vertices(grid_->patches_in(cell)[i]);
+  const auto v = parts().vertices(here.part_of_level(part));
   const auto is_first_atom = [&](std::uint32_t k) { return atoms[k] == atoms[v[0]]; };
   if (atoms[v[0]] != kNoSphere && std::all_of(v.begin(), v.end(), is_first_atom)) return false;
-  return !outline(cell, i, here).separates_children(here.reach);
+  return !outline(part, here).separates_children(here.reach);
+}
+
+// Tests all pairs of triangles of patch i of a cell. If a corner of the patch has a star around it,
+// none of them cross.
+template <class Level>
+bool BadMoves<Level>::mark_within(std::size_t i, CellPatches& here) {
+  if (here.stars.has_star(i)) return false;
+  bool any = false;
+  for (std::size_t a = kParts * i; a < kParts * (i + 1); ++a) {
+    if (may_cross_itself(a, here)) any |= mark_pair(gathered(a, here), gathered(a, here));
+    for (std::size_t b = kParts * i; b < a; ++b) any |= mark_parts(a, b, here);
+  }
+  return any;
+}
+
+// Tests all triangles of patch i of a cell with all those of patch j.
+template <class Level>
+bool BadMoves<Level>::mark_between(std::size_t i, std::size_t j, CellPatches& here) {
+  if constexpr (kParts == 1) return mark_parts(i, j, here);
+  bool any = false;
+  const PartBoxes &one = boxes_of_parts(i, here), &other = boxes_of_parts(j, here);
+  for (std::size_t a = 0; a < kParts; ++a) {
+    for (std::uint32_t near = other.overlapping(one, a); near != 0; near &= near - 1) {
+      const auto b = static_cast<std::size_t>(std::countr_zero(near));
+      any |= mark_parts(kParts * i + a, kParts * j + b, here);
+    }
+  }
+  return any;
+}
+
+// Tests the triangles of one part with those of another, unless a plane through an edge of either
+// part keeps the two apart.
+template <class Level>
+bool BadMoves<Level>::mark_parts(std::size_t a, std::size_t b, CellPatches& here) {
+  constexpr auto kVertices = static_cast<std::size_t>(Part::kVertices);
+  const PatchOutline &one = outline(a, here), &other = outline(b, here);
+  if (one.template keeps_out<kVertices>(other)) return false;
+  if (other.template keeps_out<kVertices>(one)) return false;
+  return mark_pair(gathered(a, here), gathered(b, here));
 }
 
 // Tests all pairs of patches that belong to a cell, and marks the vertices of triangles that cross.
 // Returns whether there are such triangles.
 template <class Level>
 bool BadMoves<Level>::mark_crossed(std::size_t cell) {
-  constexpr auto kVertices = static_cast<std::size_t>(Level::kVertices);
   constexpr int kAllAxes = 7;
   static thread_local CellPatches here;
-  const auto listed = grid_->patches_in(cell);
-  if (listed.empty()) return false;
+  const std::size_t count = grid_->patches_in(cell).size();
+  if (count == 0) return false;
   here.reach = take_boxes(cell, here);
-  const auto gathered = [&](std::size_t i) -> const Patch& {
-    if (here.slot[i] == 0) {
-      const std::size_t next = here.gathered_count++;
-      if (next == here.gathered.size()) here.gathered.emplace_back();
-      gather(listed[i], here.gathered[next]);
-      here.slot[i] = static_cast<std::uint32_t>(next + 1);
-    }
-    return here.gathered[here.slot[i] - 1];
-  };
   bool any = false;
-  for (std::size_t i = 0; i < listed.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool must_test = (here.must_test[i / BoxLanes::kLanes] >> i % BoxLanes::kLanes & 1) != 0;
     // A patch is tested with itself in its own first cell.
-    if (here.begins[i] == kAllAxes && may_cross_itself(cell, i, here)) {
-      any |= mark_pair(gathered(i), gathered(i));
-    }
+    if (must_test && here.begins[i] == kAllAxes) any |= mark_within(i, here);
     for (std::size_t first = 0; first < i; first += BoxLanes::kLanes) {
-      std::uint32_t near = here.boxes.overlapping(i, first);
-      if (first + BoxLanes::kLanes > i) near &= (1u << (i - first)) - 1;
-      if (Level::kVertices == 6 && near != 0) near &= ~here.stars.shared(i, first);
+      std::uint32_t wanted = must_test ? 0xffu : here.must_test[first / BoxLanes::kLanes];
+      if (first + BoxLanes::kLanes > i) wanted &= (1u << (i - first)) - 1;
+      if (wanted == 0) continue;
+      std::uint32_t near = wanted & here.boxes.overlapping(i, first);
+      if (kHasFans && near != 0) near &= ~here.stars.shared(i, first);
       for (; near != 0; near &= near - 1) {
         const std::size_t j = first + static_cast<std::size_t>(std::countr_zero(near));
         // The pair is tested in the first cell that both patches touch, and in no other. That is
         // the cell which, along each axis, is the first one of at least one of the two patches.
         if ((here.begins[i] | here.begins[j]) != kAllAxes) continue;
-        // A plane through an edge of either patch may keep them apart.
-        const PatchOutline &one = outline(cell, i, here), &other = outline(cell, j, here);
-        if (one.template keeps_out<kVertices>(other)) continue;
-        if (other.template keeps_out<kVertices>(one)) continue;
-        any |= mark_pair(gathered(i), gathered(j));
+        any |= mark_between(i, j, here);
       }
     }
   }
   return any;
 }
 
-// Tests each triangle of patch a with each of patch b; if that is the same patch, each pair once. A
+// Tests each triangle of part a with each of part b; if that is the same part, each pair once. A
 // pair without a moved vertex is not tested: if its triangles cross, they did so before the moves,
 // and there is nothing to take back.
 template <class Level>
-bool BadMoves<Level>::mark_pair(const Patch& a, const Patch& b) {
+bool BadMoves<Level>::mark_pair(const GatheredPart& a, const GatheredPart& b) {
   bool any = false;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(Level::kTriangles); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(Part::kTriangles); ++i) {
     std::uint32_t near = b.triangles.overlapping(a.triangles, i);
     if ((a.moved >> i & 1) == 0) near &= b.moved;
     if (&a == &b) near &= ~std::uint32_t{0} << (i + 1);
@@ -333,23 +437,23 @@ bool BadMoves<Level>::mark_pair(const Patch& a, const Patch& b) {
   return any;
 }
 
-// Tests triangle i of patch a with triangle j of patch b and marks their vertices if they cross.
+// Tests triangle i of part a with triangle j of part b and marks their vertices if they cross.
 // triangles_cross() asks for the atoms because it leaves triangles of one atom around a common
 // vertex to mark_turned().
 template <class Level>
-bool BadMoves<Level>::mark_if_crossing(const Patch& a, std::size_t i, const Patch& b,
+bool BadMoves<Level>::mark_if_crossing(const GatheredPart& a, std::size_t i, const GatheredPart& b,
                                        std::size_t j) {
   struct Corners {
     std::array<std::uint32_t, 3> vertex;
     std::array<Vec3d, 3> position;
     std::array<SphereId, 3> atom;
   };
-  const auto corners = [&](const Patch& patch, std::size_t child) {
+  const auto corners = [&](const GatheredPart& part, std::size_t child) {
     Corners c;
-    const auto corner = Level::triangle(static_cast<int>(child));
+    const auto corner = Part::triangle(static_cast<int>(child));
     for (std::size_t k = 0; k < 3; ++k) {
-      c.vertex[k] = patch.vertex[static_cast<std::size_t>(corner[k])];
-      c.position[k] = patch.triangles.corner(child, k);
+      c.vertex[k] = part.vertex[static_cast<std::size_t>(corner[k])];
+      c.position[k] = part.triangles.corner(child, k);
       c.atom[k] = level_.mesh.vertex_spheres.atoms[c.vertex[k]];
     }
     return c;
@@ -366,5 +470,6 @@ bool BadMoves<Level>::mark_if_crossing(const Patch& a, std::size_t i, const Patc
 
 template class BadMoves<Given>;
 template class BadMoves<Midpoints>;
+template class BadMoves<DividedMidpoints>;
 
 }  // namespace vdwmesh

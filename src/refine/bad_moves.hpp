@@ -25,8 +25,8 @@ class PatchOutline;
 //   2. The vertex belongs to a pair of triangles that cross (refine/crossing_formulas.hpp), and at
 //      least one vertex of the pair has moved. This case is left out if the options allow
 //      crossings.
-// `Level` is one of the two views Given and Midpoints, which also define a patch, a handled vertex
-// and the states of moves (refine/level_view.hpp).
+// `Level` is one of the views Given, Midpoints and DividedMidpoints, which also define a patch, its
+// parts, a handled vertex and the states of moves (refine/level_view.hpp).
 template <class Level>
 class BadMoves {
  public:
@@ -46,7 +46,7 @@ class BadMoves {
       find_dirty_cells<is_away>();
       return;
     }
-    if constexpr (Level::kVertices == 6) fans_ = patch_fans(level);
+    if constexpr (kHasFans) fans_ = patch_fans(level);
   }
 
   // One pass: changes the state of every vertex with a bad move from MoveState::moved to
@@ -56,8 +56,12 @@ class BadMoves {
   bool mark();
 
  private:
+  using Part = typename Level::Part;
+  static constexpr std::size_t kParts = Level::kParts;
+  static constexpr bool kHasFans = Level::kVertices > 3;         // a single triangle has none
   using Vertices = std::array<std::uint32_t, Level::kVertices>;  // the mesh vertices of a patch
-  struct Patch;
+  struct GatheredPart;
+  struct PartBoxes;
   struct CellPatches;
   template <bool (*is_wanted)(MoveState)>
   void find_dirty_cells();
@@ -65,12 +69,19 @@ class BadMoves {
   bool has_vertex(const Vertices& v);
   bool mark_turned(const Vertices& v);
   bool mark_crossed(std::size_t cell);
-  double take_boxes(std::size_t cell, CellPatches& here) const;
-  const PatchOutline& outline(std::size_t cell, std::size_t i, CellPatches& here) const;
-  bool may_cross_itself(std::size_t cell, std::size_t i, CellPatches& here) const;
-  bool mark_pair(const Patch& a, const Patch& b);
-  bool mark_if_crossing(const Patch& a, std::size_t i, const Patch& b, std::size_t j);
-  void gather(std::size_t patch, Patch& gathered);
+  bool must_test(const Vertices& v);
+  double take_boxes(std::size_t cell, CellPatches& here);
+  const Part& parts() const { return level_; }
+  const PartBoxes& boxes_of_parts(std::size_t i, CellPatches& here) const;
+  const PatchOutline& outline(std::size_t part, CellPatches& here) const;
+  const GatheredPart& gathered(std::size_t part, CellPatches& here);
+  bool may_cross_itself(std::size_t part, CellPatches& here) const;
+  bool mark_within(std::size_t i, CellPatches& here);
+  bool mark_between(std::size_t i, std::size_t j, CellPatches& here);
+  bool mark_parts(std::size_t a, std::size_t b, CellPatches& here);
+  bool mark_pair(const GatheredPart& a, const GatheredPart& b);
+  bool mark_if_crossing(const GatheredPart& a, std::size_t i, const GatheredPart& b, std::size_t j);
+  void gather(std::size_t part, GatheredPart& gathered);
   void mark_vertices(const std::array<std::uint32_t, 3>& vertices);
 
   const Sphere* spheres_;
@@ -85,6 +96,7 @@ class BadMoves {
 
 extern template class BadMoves<Given>;
 extern template class BadMoves<Midpoints>;
+extern template class BadMoves<DividedMidpoints>;
 
 // Takes back all bad moves of a level and returns how many vertices it put back. For each of them
 // it calls restore(item), which must put the vertex back. `item` is its index in the level's loop

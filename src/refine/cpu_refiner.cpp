@@ -51,7 +51,8 @@ class CpuRefiner final : public Refiner {
     result.levels.push_back(project_given(spheres, surface, result.mesh, options));
     advance(options.monitor, 1);
     for (int l = 1; l <= options.subdivisions; ++l) {
-      SubdividedMesh next = subdivide(spheres, surface, result.mesh, options);
+      const ParentOrigin origin = l == 1 ? ParentOrigin::given : ParentOrigin::subdivided;
+      SubdividedMesh next = subdivide(spheres, surface, result.mesh, origin, options);
       result.mesh = std::move(next.mesh);
       result.levels.push_back(next.stats);
       observe(l);

@@ -8,10 +8,11 @@
 // spheres of the two triangles at its edge (constrained_midpoints.hpp). project_given() does the
 // projection and the taking back for the vertices of the given mesh.
 //
-// The code that takes moves back sees both cases through views, Midpoints and Given, which refer to
-// the meshes and own nothing (refine/level_view.hpp). All loops are parallel. Each turn of a loop
-// writes array entries of its own, and the counts are exact sums, so the result does not depend on
-// the number of threads. cuda/refine/refine_on_device.cu takes the same steps on a device.
+// The code that takes moves back sees all cases through views, Given, Midpoints and
+// DividedMidpoints, which refer to the meshes and own nothing (refine/level_view.hpp). All loops
+// are parallel. Each turn of a loop writes array entries of its own, and the counts are exact sums,
+// so the result does not depend on the number of threads. cuda/refine/refine_on_device.cu takes the
+// same steps on a device.
 #include "refine/level.hpp"
 
 #include <algorithm>
@@ -81,7 +82,7 @@ MoveState put(const PlacedVertex& placed, std::size_t v, IndexedMesh& mesh) {
 
 // Makes all midpoints of a mesh without triangle labels: projects them and takes bad moves back.
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
-                                  const Midpoints& level, IndexedMesh& mesh,
+                                  const Midpoints& level, ParentOrigin origin, IndexedMesh& mesh,
                                   const RefineOptions& options) {
   // These numbers and this position are used below:
   //   h, an item of `level`    a half-edge of the parent
@@ -100,11 +101,15 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
                               level.midpoint_of(h), mesh);
       });
   if (surface.projection() == Projection::none) return stats;
-  stats.undone = take_back_bad_moves(spheres, level, move_states, options, [&](std::size_t h) {
+  const auto restore = [&](std::size_t h) {
     const std::uint32_t v = level.midpoint_of(h);
     mesh.positions[v] = level.middle_of(h);
     mesh.vertex_spheres.set(v, ends_of(level, h).unprojected_label(balls));
-  });
+  };
+  stats.undone =
+      origin == ParentOrigin::given
+          ? take_back_bad_moves(spheres, level, move_states, options, restore)
+          : take_back_bad_moves(spheres, DividedMidpoints{level}, move_states, options, restore);
   // A vertex that was put back had moved, so it had converged and was counted as projected.
   stats.projected -= stats.undone;
   return stats;
@@ -146,7 +151,8 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
 }
 
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
-                         const IndexedMesh& parent, const RefineOptions& options) {
+                         const IndexedMesh& parent, ParentOrigin origin,
+                         const RefineOptions& options) {
   const Buffer<std::uint32_t> edge = number_edges(parent.opposite);
   SubdividedMesh child;  // the finer mesh
   IndexedMesh& mesh = child.mesh;
@@ -155,7 +161,7 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
   child.stats = parent.triangle_labels() == TriangleLabels::spheres
                     ? constrain_midpoints(SphereConstraint(spheres, surface.projection()), level,
                                           mesh, options.monitor)
-                    : project_midpoints(spheres, surface, level, mesh, options);
+                    : project_midpoints(spheres, surface, level, origin, mesh, options);
   child.stats.turned = count_turned(spheres.spheres().data(), mesh, mesh.triangle_count());
   return child;
 }

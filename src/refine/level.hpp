@@ -18,6 +18,10 @@ namespace vdwmesh {
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
                               IndexedMesh& mesh, const RefineOptions& options);
 
+// Whether the mesh that is subdivided is itself the result of a subdivision. The search for
+// crossings is then cheaper; the mesh is the same.
+enum class ParentOrigin : std::uint8_t { given, subdivided };
+
 // Subdivides `parent` once, projects the midpoints and takes bad moves back. If triangles are
 // labelled, no move is bad. Precondition: `parent` has `opposite`. The result has `opposite` too if
 // its half-edges can be numbered in 32 bits (kMaxHalfEdges). It has normals only if `parent` has
@@ -27,6 +31,7 @@ struct SubdividedMesh {
   ProjectionStats stats;
 };
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
-                         const IndexedMesh& parent, const RefineOptions& options);
+                         const IndexedMesh& parent, ParentOrigin origin,
+                         const RefineOptions& options);
 
 }  // namespace vdwmesh

@@ -1,4 +1,4 @@
-// Two views of a refinement level with one interface, so that the code which takes bad moves back
+// Three views of a refinement level with one interface, so that the code which takes bad moves back
 // is written once (refine/bad_moves.hpp, refine/patch_grid.hpp). A view owns nothing; it refers
 // to the meshes and arrays of the level.
 //
@@ -9,10 +9,17 @@
 //   Midpoints (level 1 and above): the midpoints of the parent's edges are handled. A patch is a
 //   parent triangle. It has six vertices, the corners of the parent triangle and the midpoints of
 //   its edges, and consists of the four child triangles.
-// Both views have these members:
+//   DividedMidpoints (level 2 and above): the same midpoints. The parent was made by a subdivision,
+//   too, and a patch is a triangle of the parent's own parent, with 15 vertices and 16 triangles.
+//   It has four parts, which are the patches of Midpoints. There are fewer patches to search than
+//   parts, and what is true of all triangles of a patch need not be asked of each part.
+// All views have these members:
 //   kVertices, kTriangles  how many vertices and triangles a patch has
 //   patches()              the number of patches
-//   vertices(t)            the vertices of patch t, as indices into the arrays of `mesh`
+//   vertices(t)            the vertices of patch t, as indices into the arrays of `mesh`; the first
+//                          three are its corners
+//   Part, kParts           the view whose patches are the parts of patches, and how many parts a
+//                          patch has: those of patch t are kParts t to kParts t + kParts - 1
 //   triangle(child)        the corners of triangle `child` of a patch (0 <= child < kTriangles), as
 //                          indices into vertices(t)
 //   before(v, i)           the position of vertex v[i] before its move, with v = vertices(t)
@@ -45,6 +52,8 @@ enum class MoveState : std::uint8_t { stayed, moved, to_undo, just_undone };
 struct Given {
   static constexpr int kVertices = 3, kTriangles = 1;
   static constexpr bool kStartsBetweenCorners = false;
+  using Part = Given;
+  static constexpr std::size_t kParts = 1;
   const Buffer<Vec3d>& given;  // positions before projection
   const IndexedMesh& mesh;
 
@@ -62,6 +71,8 @@ struct Midpoints {
   static constexpr int kVertices = 6, kTriangles = 4;
   // Halves of sums are rounded, but not beyond the ends: doubling a coordinate is exact.
   static constexpr bool kStartsBetweenCorners = true;
+  using Part = Midpoints;
+  static constexpr std::size_t kParts = 1;
   const IndexedMesh& parent;          // with `opposite`
   const Buffer<std::uint32_t>& edge;  // by half-edge of the parent: the number of its edge
   const IndexedMesh& mesh;            // its vertices: the parent's, then one midpoint per edge
@@ -74,6 +85,8 @@ struct Midpoints {
   std::uint32_t midpoint_of(std::size_t h) const {
     return static_cast<std::uint32_t>(parent.vertex_count() + edge[h]);
   }
+  // The corners of parent triangle t.
+  const Triangle& corners(std::size_t t) const { return parent.triangles[t]; }
   // The corners of parent triangle t, then the midpoints of its half-edges 3t, 3t + 1, 3t + 2.
   std::array<std::uint32_t, 6> vertices(std::size_t t) const {
     const Triangle& v = parent.triangles[t];
@@ -103,6 +116,55 @@ struct Midpoints {
   // The mean of the normals at the ends of half-edge h. The parent must have normals.
   Vec3f mean_normal(std::size_t h) const {
     return vdwmesh::mean_normal(parent.normals[start_of(h)], parent.normals[end_of(h)]);
+  }
+};
+
+// The parent's triangles 4 t to 4 t + 3 are the children of patch t. Child k < 3 is (C_k, M_k,
+// M_k-1), with the corners C_0, C_1, C_2 of the patch and the midpoints M_k of its edges C_k C_k+1;
+// child 3 is (M_0, M_1, M_2). The vertices of a patch are three times three of each kind:
+//   0 to 2    the corners C_k
+//   3 to 5    the midpoints M_k
+//   6 to 8    A_k, the midpoints of C_k M_k
+//   9 to 11   B_k, the midpoints of M_k C_k+1
+//   12 to 14  I_k, the midpoints of M_k M_k+1
+struct DividedMidpoints : Midpoints {
+  static constexpr int kVertices = 15, kTriangles = 16;
+  static constexpr std::size_t kParts = 4;
+
+  std::size_t patches() const { return parent.triangle_count() / kParts; }
+  static constexpr std::array<int, 3> triangle(int child) {
+    const int part = child / 4, before = (part + 2) % 3;
+    const std::array<int, 6> of_corner{part,     3 + part,    3 + before,
+                                       6 + part, 12 + before, 9 + before};
+    const std::array<int, 6> of_middle{3, 4, 5, 12, 13, 14};
+    const std::array<int, 6>& vertex = part < 3 ? of_corner : of_middle;
+    std::array<int, 3> corner{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      corner[k] = vertex[static_cast<std::size_t>(child_corner(child % 4, static_cast<int>(k)))];
+    }
+    return corner;
+  }
+  Triangle corners(std::size_t t) const {
+    const Triangle* const child = &parent.triangles[4 * t];
+    return {child[0][0], child[1][0], child[2][0]};
+  }
+  std::array<std::uint32_t, 15> vertices(std::size_t t) const {
+    const Triangle* const child = &parent.triangles[4 * t];
+    std::array<std::uint32_t, 15> v;
+    for (std::size_t k = 0; k < 3; ++k) {
+      v[k] = child[k][0];
+      v[3 + k] = child[3][k];
+      v[6 + k] = midpoint_of(12 * t + 3 * k);
+      v[9 + k] = midpoint_of(12 * t + 3 * ((k + 1) % 3) + 2);
+      v[12 + k] = midpoint_of(12 * t + 9 + k);
+    }
+    return v;
+  }
+  Vec3d before(const std::array<std::uint32_t, 15>& v, std::size_t i) const {
+    if (i < 6) return parent.positions[v[i]];
+    const std::size_t k = i % 3, next = (k + 1) % 3;
+    const std::size_t from = i < 9 ? k : 3 + k, to = i < 9 ? 3 + k : i < 12 ? next : 3 + next;
+    return midpoint(parent.positions[v[from]], parent.positions[v[to]]);
   }
 };
 

@@ -8,5 +8,6 @@
 namespace vdwmesh {
 
 StarFans patch_fans(const Midpoints& level);
+StarFans patch_fans(const DividedMidpoints& level);
 
 }  // namespace vdwmesh

@@ -160,5 +160,6 @@ PatchGrid::PatchGrid(const Level& level, std::uint64_t most_entries) {
 
 template PatchGrid::PatchGrid(const Given&, std::uint64_t);
 template PatchGrid::PatchGrid(const Midpoints&, std::uint64_t);
+template PatchGrid::PatchGrid(const DividedMidpoints&, std::uint64_t);
 
 }  // namespace vdwmesh

@@ -116,5 +116,6 @@ class PatchGrid {
 
 extern template PatchGrid::PatchGrid(const Given&, std::uint64_t);
 extern template PatchGrid::PatchGrid(const Midpoints&, std::uint64_t);
+extern template PatchGrid::PatchGrid(const DividedMidpoints&, std::uint64_t);
 
 }  // namespace vdwmesh
