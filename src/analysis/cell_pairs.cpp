@@ -144,12 +144,11 @@ Placed place(Word a, Word b, Word c) {
   const Word a0 = a & ~kFree, b0 = b & ~kFree, c0 = c & ~kFree;
   const auto lower = [](Word u, Word v) { return u - (~((v | kFree) - u) >> kIndexBits & kOnes); };
   const Word cell = lower(lower(a0, b0), c0);
-  const Word offsets = (a0 - cell) | (b0 - cell) | (c0 - cell), axes = (a | b | c) & kFree;
+  const Word offsets = (a0 - cell) | (b0 - cell) | (c0 - cell);
   const auto edge = [&](Word v) { return kEdgeAt[place_bits(v - cell)]; };
   const std::uint8_t e[3] = {edge(a), edge(b), edge(c)};
   Placed placed{cell, 0, 0, false};
-  const bool in_cell = (offsets & ~kOnes) == 0 && (offsets << kIndexBits | axes) == kFree;
-  if (!in_cell || (e[0] | e[1] | e[2]) == kNone) return placed;
+  if ((offsets & ~kOnes) != 0 || (e[0] | e[1] | e[2]) == kNone) return placed;
   placed.edges = static_cast<std::uint16_t>(1u << e[0] | 1u << e[1] | 1u << e[2]);
   placed.across =
       static_cast<std::uint16_t>(kAcross[e[0]][e[1]] | kAcross[e[1]][e[2]] | kAcross[e[2]][e[0]]);

@@ -6,12 +6,13 @@
 // into boxes, the cells, whose coordinates are exact. Let all of this be found:
 //   1. Every vertex lies strictly within a grid edge: two of its coordinates are planes, the third
 //      is strictly between two consecutive ones.
-//   2. Every triangle has its vertices on three edges of one cell that are not all in one face.
+//   2. Every triangle has its vertices on three edges of one cell.
 //   3. The numbers of edges on which the triangles of a cell have vertices, added up over all
 //      cells, are four times the number of vertices.
 //   4. If a side of a triangle joins two opposite edges of a face of its cell, no triangle of the
 //      cell has a vertex on the other two edges of this face.
-// Four cells are around a grid edge, so the sum in 3 is at most four times the number of edges that
+// No triangle lies in a face: of three edges of a face two are opposite, which 4 forbids. Four cells
+// are around a grid edge, so the sum in 3 is at most four times the number of edges that
 // have vertices. As it is four times the number of vertices, every vertex has an edge of its own,
 // and triangles in all four cells around it.
 //
