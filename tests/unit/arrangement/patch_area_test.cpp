@@ -12,13 +12,13 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 // A circle of angular radius `angle` around `axis`, 0: +z, 1: -z, of `count` pieces, with the patch
 // outside of it. Pieces of arc `axis` are numbered along it.
 void add_circle(std::uint32_t axis, double angle, std::uint32_t count, PatchBoundary& out) {
   const auto first = static_cast<std::uint32_t>(out.points.size());
-  const double z = axis == 0 ? 1 : -1, step = 2 * kPi / count;
+  const double z = axis == 0 ? 1 : -1, step = 2 * kHalfTurn / count;
   for (std::uint32_t k = 0; k < count; ++k) {
     out.points.push_back({std::sin(angle) * std::cos(k * step),
                           std::sin(angle) * std::sin(k * step), z * std::cos(angle)});
@@ -41,7 +41,7 @@ TEST(PatchArea, LensIsTheSectorLessTheTriangle) {
   for (const double a : {0.1, 0.5, 1.0, 1.4, 1.7, 2.5, 3.0}) {
     for (const std::uint32_t count : {8u, 16u, 32u, 256u}) {
       SCOPED_TRACE(::testing::Message() << a << ", " << count << " pieces");
-      const double x = 2 * kPi / count, t = std::pow(std::tan(a / 2), 2);
+      const double x = 2 * kHalfTurn / count, t = std::pow(std::tan(a / 2), 2);
       const double excess = 2 * std::atan2(t * std::sin(x), 1 + t * std::cos(x));
       const double lens = x * (1 - std::cos(a)) - excess;
       const PatchBoundary boundary = one_circle(a, count);
@@ -57,7 +57,7 @@ TEST(PatchArea, LensIsTheSectorLessTheTriangle) {
 TEST(PatchArea, FlatTriangleErrorIsThatOfEquilateralTriangles) {
   for (const double h : {0.4, 0.2, 0.1}) {
     const double side = 2 * std::asin(h / 2);
-    const double area = 3 * std::acos(std::cos(side) / (1 + std::cos(side))) - kPi;
+    const double area = 3 * std::acos(std::cos(side) / (1 + std::cos(side))) - kHalfTurn;
     const double flat = std::sqrt(3.0) / 4 * h * h;
     EXPECT_NEAR(flat_triangle_error(area, h) / (area - flat), 1, h * h / 20);
   }
