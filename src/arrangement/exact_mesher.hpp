@@ -38,7 +38,7 @@ enum class DeviceWork : std::uint8_t { balanced, all };
 inline constexpr double kLargestMinAngle = 25;  // degrees
 
 struct ExactMeshOptions {
-  double edge_length = 0.35;  // Å; edges are shorter at narrow features
+  double edge_length = 0.35;  // Å; shorter at narrow features, and for the area of small patches
   // Å, by sphere, in place of edge_length if not empty. Along the arc between two spheres the
   // shorter length holds; from there the triangles of the other sphere grow to its own length. Of
   // equal spheres the first one counts.

@@ -9,6 +9,7 @@
 
 #include "arrangement/mesher/boundary_insertion.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/patch_area.hpp"
 #include "arrangement/mesher/patch_triangulator.hpp"
 #include "core/multiversion.hpp"
 
@@ -55,6 +56,10 @@ VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOp
   }
   if (mesh.splits.empty()) {
     triangulate(boundary, options, scratch, mesh);
+  }
+  if (options.area > 0 && options.demand == Demand::quality &&
+      options.stage == PatchStage::boundary) {
+    split_for_area(boundary, options.area, options.edge_length, mesh.splits);
   }
   if (scratch.plane_is_swapped) scratch.plane.swap(progress.plane);
   sort_requests(mesh.splits);

@@ -33,6 +33,9 @@ struct PatchOptions {
   // split for it, unless an arc has so many pieces that this has to end.
   double min_angle = 0;
   bool splits_for_angles = true;
+  // Of the patch, in squares of the radius. With Demand::quality and PatchStage::boundary pieces
+  // are split so that the mesh comes near to it (patch_area.hpp). 0: not known, no splits for it.
+  double area = 0;
 };
 
 // The outcome: either triangles, or requests to split pieces, after which the patch must be meshed

@@ -259,18 +259,18 @@ class UnionMesher {
   // so such points are only noted here (first_coincident()).
   void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
     // As a fraction of the radius, since patches are meshed on the unit sphere.
-    const double edge_length = edge_lengths_[ball] / t_.balls[ball].radius;
+    const double r = t_.balls[ball].radius, edge_length = edge_lengths_[ball] / r;
     if (is_whole(ball)) {
       patches_[ball] = mesh_sphere(edge_length);
       return;
     }
     PatchProgress& progress = up_to_date(ball);
     try {
-      PatchMesh& patch = patches_[ball] =
-          mesh_patch(progress,
-                     {edge_length, demand, stage, options_.monitor, kWidestView,
-                      options_.min_angle * std::numbers::pi / 180, leaves_room_},
-                     scratch_.local());
+      PatchMesh& patch = patches_[ball] = mesh_patch(
+          progress,
+          {edge_length, demand, stage, options_.monitor, kWidestView,
+           options_.min_angle * std::numbers::pi / 180, leaves_room_, areas_[ball] / (r * r)},
+          scratch_.local());
       if (!patch.triangles.empty()) finish(ball, patch);
     } catch (const CoincidentPoints&) {
       has_coincident_points_[ball] = 1;
