@@ -316,6 +316,37 @@ TEST(CellPairs, NothingElsePassesForTheMeshOfAGrid) {
   }));
 }
 
+// A corner of a triangle moves to the vertex of an edge one or two cells further, while other
+// triangles of its cell keep the vertex that it had.
+TEST(CellPairs, TrianglesThatReachBeyondTheirCellAreFound) {
+  Dice dice(8);
+  RandomSurface surface(dice, {4, 4, 4});
+  surface.make(0.5);
+  const IndexedMesh mesh = surface.mesh();
+  std::size_t moved = 0;
+  for (const auto& [edge, vertex] : surface.number) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int step : {-2, -1, 1, 2}) {
+        auto [place, along] = edge;
+        place[std::size_t(axis)] += step;
+        const auto to = surface.number.find({place, along});
+        if (to == surface.number.end() || (axis != along && std::abs(step) < 2)) continue;
+        for (std::size_t t = dice.whole(0, 9) + 1u; t + 1 < mesh.triangles.size(); t += 10) {
+          const auto has = [&](std::size_t s) {
+            return std::ranges::count(mesh.triangles[s], vertex) == 1;
+          };
+          if (!has(t) || !(has(t - 1) || has(t + 1))) continue;
+          IndexedMesh changed = mesh;
+          std::ranges::replace(changed.triangles[t], vertex, to->second);
+          ASSERT_FALSE(pairs_within_cells(changed, surface.grid(), nullptr));
+          ++moved;
+        }
+      }
+    }
+  }
+  EXPECT_GT(moved, 100u);
+}
+
 TEST(CellPairs, NeedAGridWhosePlanesAreApart) {
   Dice dice(6);
   RandomSurface surface(dice, {4, 4, 4});
