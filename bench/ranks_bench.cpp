@@ -18,7 +18,10 @@
 //   some edge did not cancel, that would have a chance of 2^-64. So the mesh is closed and
 //   oriented, and its Euler characteristic is V - F / 2.
 // - The copies do not touch. Each is meshed alone, in the grid of the whole, and the numbers of
-//   vertices and triangles, the Euler characteristics and the volumes add up to those of the whole.
+//   vertices and triangles, the Euler characteristics and the volumes add up to those of the whole,
+//   volumes without rounding. The ranks share the copies: rank r of P takes copies r, r + P, ...
+//
+// It ends with an error if one of them does not hold.
 #include <fmt/format.h>
 #include <sched.h>
 #include <tbb/global_control.h>
@@ -36,6 +39,8 @@
 #include <string_view>
 #include <vector>
 
+#include "arrangement/exact_sum.hpp"
+#include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "cuda/backend.hpp"
 #include "distributed/host_memory.hpp"
@@ -104,12 +109,6 @@ double seconds_of(const Ranks& ranks, const std::function<void()>& work) {
 
 double largest(const std::vector<double>& values) { return *std::ranges::max_element(values); }
 
-double sum_in_order(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum;
-}
-
 // A line of /proc/self/status in MiB; 0 if there is none.
 double status_mib(std::string_view key) {
   std::ifstream file("/proc/self/status");
@@ -123,13 +122,13 @@ double status_mib(std::string_view key) {
 struct Tally {
   std::uint64_t vertices = 0, triangles = 0;
   std::uint64_t edges = 0;  // modulo 2^64: 0 of a closed, oriented mesh
-  double volume = 0;        // Å³
+  ExactSum volume;          // Å³
 
   void add(const Tally& other) {
     vertices += other.vertices;
     triangles += other.triangles;
     edges += other.edges;
-    volume += other.volume;
+    volume.add(other.volume);
   }
 };
 
@@ -160,8 +159,8 @@ Tally tally(const Buffer<Triangle>& triangles, double pitch, const NumberOf& num
           const Vec3d p = position_of(a);
           const Vec3d middle{pitch * std::round(p.x / pitch), pitch * std::round(p.y / pitch),
                              pitch * std::round(p.z / pitch)};
-          sum.volume +=
-              dot(p - middle, cross(position_of(b) - middle, position_of(c) - middle)) / 6;
+          sum.volume.add(dot(p - middle, cross(position_of(b) - middle, position_of(c) - middle)) /
+                         6);
         }
         return sum;
       },
@@ -170,9 +169,11 @@ Tally tally(const Buffer<Triangle>& triangles, double pitch, const NumberOf& num
   return all;
 }
 
+// Of all ranks. Collective; the result is that of the first rank.
 Tally sum_of(const Ranks& ranks, const Tally& mine) {
-  return {ranks.sum(mine.vertices), ranks.sum(mine.triangles), ranks.sum(mine.edges),
-          sum_in_order(ranks.of_all(mine.volume))};
+  Tally all;
+  for (const Tally& tally : ranks.collect(std::span<const Tally>(&mine, 1))) all.add(tally);
+  return all;
 }
 
 // The positions of the vertices of other ranks that the triangles of a piece have. Collective.
@@ -378,7 +379,7 @@ class Bench {
     say("  {:<10} {:.3f} s: V {} F {} Euler characteristic {}, {}, volume {:.17g}\n", name, seconds,
         t.vertices, t.triangles,
         static_cast<std::int64_t>(t.vertices) - static_cast<std::int64_t>(t.triangles / 2),
-        t.edges == 0 ? "closed and oriented" : "NOT CLOSED", t.volume);
+        t.edges == 0 ? "closed and oriented" : "NOT CLOSED", t.volume.nearest());
   }
 
   void check() {
@@ -391,9 +392,11 @@ class Bench {
     say_tally("the copies", second, copies);
     const bool equal = whole.edges == 0 && copies.edges == 0 && whole.vertices == copies.vertices &&
                        whole.triangles == copies.triangles &&
-                       std::abs(whole.volume - copies.volume) <= 1e-11 * copies.volume;
-    say("  {}, volumes differ by {:.1e}\n", equal ? "EQUAL" : "NOT EQUAL",
-        std::abs(whole.volume / copies.volume - 1));
+                       whole.volume.nearest() == copies.volume.nearest();
+    ranks_.together([&] {
+      if (ranks_.is_first() && !equal) throw InternalError("the copies are not the whole");
+    });
+    say("  the copies add up to the whole\n");
   }
 
   const Ranks& ranks_;

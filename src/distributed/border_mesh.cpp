@@ -13,6 +13,7 @@
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/large_pages.hpp"
 #include "distributed/sorted_numbers.hpp"
 
 namespace vdwmesh {
@@ -108,7 +109,7 @@ class Builder {
     result.end_vertex = before_ + own_;
     result.triangles = piece_.mesh.triangle_count();
     result.halo = {all_local_of(elsewhere_), all_local_of(asked_for)};
-    result.mesh.positions.resize(vertices_);
+    resize_untouched(result.mesh.positions, vertices_);
     for_each_index(own_, [&](std::size_t v) {
       result.mesh.positions[before_ + v] = piece_.mesh.positions[v];
     });
@@ -133,7 +134,7 @@ class Builder {
     const std::size_t own = piece_.mesh.triangle_count();
     std::size_t count = own;
     for (const auto& from : received) count += from.size();
-    triangles.resize(count);
+    resize_untouched(triangles, count);
     for_each_index(own, [&](std::size_t t) {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t corner = piece_.mesh.triangles[t][k];

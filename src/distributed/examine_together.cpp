@@ -15,6 +15,7 @@
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/large_pages.hpp"
 #include "distributed/border_mesh.hpp"
 #include "distributed/distribution_together.hpp"
 #include "distributed/joined_sets.hpp"
@@ -36,13 +37,18 @@ Box box_together(const Ranks& ranks, const IndexedMesh& mesh) {
   return ranks.shared(all);
 }
 
-// The connected vertices of a part.
+// The connected vertices of a part, whose own edges the survey has joined already.
 class VertexSets {
  public:
-  explicit VertexSets(const BorderMesh& part)
-      : sets_(part.mesh.vertex_count()), is_border_(part.mesh.vertex_count()) {
+  // An edge that is not own has a vertex of another rank, and so have its triangles.
+  VertexSets(const BorderMesh& part, DisjointSets sets)
+      : sets_(std::move(sets)), is_border_(part.mesh.vertex_count()) {
+    const auto is_own = [&](std::uint32_t v) {
+      return v >= part.first_vertex && v < part.end_vertex;
+    };
     for_each_index(part.mesh.triangle_count(), [&](std::size_t t) {
       const auto& [a, b, c] = part.mesh.triangles[t];
+      if (is_own(a) && is_own(b) && is_own(c)) return;
       sets_.join(a, b);
       sets_.join(b, c);
     });
@@ -98,7 +104,8 @@ std::vector<BorderElement> border_of_sets(const Ranks& ranks, const BorderMesh& 
 
 // The terms of the own triangles, by the sets that they are in.
 std::vector<ShellTerm> terms_of(const BorderMesh& part, VertexSets& sets, const Vec3d& origin) {
-  std::vector<std::uint32_t> set_of(part.triangles);
+  Buffer<std::uint32_t> set_of;
+  resize_untouched(set_of, part.triangles);
   for_each_index(part.triangles,
                  [&](std::size_t t) { set_of[t] = sets.set_of(part.mesh.triangles[t][0]); });
   return shell_terms(part.mesh, set_of, origin);
@@ -110,13 +117,13 @@ struct Shells {
 };
 
 // Collective; the result is that of the first rank.
-Shells sum_shells(const Ranks& ranks, const BorderMesh& part) {
+Shells sum_shells(const Ranks& ranks, const BorderMesh& part, DisjointSets connected) {
   const Vec3d origin = middle(box_together(ranks, part.mesh));
   std::optional<VertexSets> sets;
   std::vector<ShellTerm> inside, across;
   Shells shells;
   ranks.together([&] {
-    sets.emplace(part);
+    sets.emplace(part, std::move(connected));
     inside = terms_of(part, *sets, origin);
     const auto of_border = std::ranges::partition(
         inside, [&](const ShellTerm& term) { return !sets->is_border(term.shell); });
@@ -155,14 +162,16 @@ struct QualityBrackets {
   Brackets min_angles_deg, aspect_ratios, edge_lengths;
 };
 
-// Surveys the part and fills the quality of the whole mesh, which is that of all ranks. Returns
-// nothing if a percentile was outside of its bracket. Collective.
+// Surveys the part, joins the ends of its own edges in `connected` and fills the quality of the
+// whole mesh, which is that of all ranks. Returns nothing if a percentile was outside of its
+// bracket. Collective.
 std::optional<MeshQuality> quality_together(const Ranks& ranks, const BorderMesh& part,
-                                            const QualityBrackets& brackets, PartSurvey& survey) {
+                                            const QualityBrackets& brackets, PartSurvey& survey,
+                                            DisjointSets& connected) {
   BracketedValues lengths(brackets.edge_lengths), angles(brackets.min_angles_deg),
       ratios(brackets.aspect_ratios);
   ranks.together([&] {
-    survey = survey_part(part.part(), {&lengths});
+    survey = survey_part(part.part(), {&lengths, &connected});
     visit_shapes(part.part(), [&](std::size_t, const TriangleShapes& shapes) {
       angles.add(shapes.min_angles_deg);
       ratios.add(shapes.aspect_ratios);
@@ -192,18 +201,20 @@ QualityBrackets brackets_of_quality(const Ranks& ranks, const BorderMesh& part,
 MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece) {
   const BorderMesh part = make_border_mesh(ranks, piece);
   PartSurvey survey{};
+  std::optional<DisjointSets> connected;
+  ranks.together([&] { connected.emplace(part.mesh.vertex_count()); });
   std::optional<MeshQuality> quality = quality_together(
-      ranks, part, brackets_of_quality(ranks, part, piece.whole.triangles), survey);
+      ranks, part, brackets_of_quality(ranks, part, piece.whole.triangles), survey, *connected);
   if (!quality) {
     const Brackets all = bracket_of_everything();
-    quality = quality_together(ranks, part, {all, all, all}, survey);
+    quality = quality_together(ranks, part, {all, all, all}, survey, *connected);
   }
   survey = survey_together(ranks, survey);
   ranks.together([&] {
     if (survey.closed && survey.manifold && survey.oriented) return;
     throw InternalError("the mesh of all ranks is no closed, oriented 2-manifold");
   });
-  const Shells shells = sum_shells(ranks, part);
+  const Shells shells = sum_shells(ranks, part, std::move(*connected));
   const MeshCounts counts{survey.closed,         survey.manifold,      survey.oriented,
                           piece.whole.vertices,  survey.used_vertices, survey.edges,
                           piece.whole.triangles, shells.count};
