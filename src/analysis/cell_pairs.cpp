@@ -137,9 +137,8 @@ struct Placed {
   bool holds = false;
 };
 
-// The cell's indices are the least ones of the vertices. Fields of `less` have their free bit set
-// if the second index is less than the first one; by more than 1 it must not be, as is seen from
-// the offsets.
+// The cell's indices are the least ones of the vertices. lower(u, v) takes 1 from each index of u
+// that is above that of v; by more than 1 it must not be, as is seen from the offsets.
 Placed place(Word a, Word b, Word c) {
   const Word a0 = a & ~kFree, b0 = b & ~kFree, c0 = c & ~kFree;
   const auto lower = [](Word u, Word v) { return u - (~((v | kFree) - u) >> kIndexBits & kOnes); };
