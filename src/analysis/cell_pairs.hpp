@@ -11,10 +11,10 @@
 //      cells, are four times the number of vertices.
 //   4. If a side of a triangle joins two opposite edges of a face of its cell, no triangle of the
 //      cell has a vertex on the other two edges of this face.
-// No triangle lies in a face: of three edges of a face two are opposite, which 4 forbids. Four cells
-// are around a grid edge, so the sum in 3 is at most four times the number of edges that
-// have vertices. As it is four times the number of vertices, every vertex has an edge of its own,
-// and triangles in all four cells around it.
+// No triangle lies in a face: of three edges of a face two are opposite, which 4 forbids. Four
+// cells are around a grid edge, so the sum in 3 is at most four times the number of edges that have
+// vertices. As it is four times the number of vertices, every vertex has an edge of its own, and
+// triangles in all four cells around it.
 //
 // Then two triangles of different cells have nothing in common but a vertex or a side that they
 // share by index, so no such pair counts as an intersection. A cell is convex, so what a triangle

@@ -1,5 +1,5 @@
-// How many triangles a mesh with half-edges can have. Arrays of triangles (IndexedMesh) have no such
-// limit.
+// How many triangles a mesh with half-edges can have. Arrays of triangles (IndexedMesh) have no
+// such limit.
 #pragma once
 
 #include <cstddef>
