@@ -19,9 +19,10 @@
 //   oriented, and its Euler characteristic is V - F / 2.
 // - The copies do not touch. Each is meshed alone, in the grid of the whole, and the numbers of
 //   vertices and triangles, the Euler characteristics and the volumes add up to those of the whole,
-//   volumes without rounding. The ranks share the copies: rank r of P takes copies r, r + P, ...
+//   volumes to the last bit, because they are summed without rounding. The ranks share the copies:
+//   rank r of P takes copies r, r + P, ...
 //
-// It ends with an error if one of them does not hold.
+// It ends with an error if one of the proofs fails.
 #include <fmt/format.h>
 #include <sched.h>
 #include <tbb/global_control.h>
@@ -394,7 +395,8 @@ class Bench {
                        whole.triangles == copies.triangles &&
                        whole.volume.nearest() == copies.volume.nearest();
     ranks_.together([&] {
-      if (ranks_.is_first() && !equal) throw InternalError("the copies are not the whole");
+      if (ranks_.is_first() && !equal)
+        throw InternalError("a mesh is not closed, or the copies are not the whole");
     });
     say("  the copies add up to the whole\n");
   }

@@ -2,8 +2,8 @@
 # opens from files, with the reference by Doxygen, where that is found. The pages are made by python3-markdown, of
 # Debian's python3.
 #
-# The target docs_api writes docs/api/index.html into the build tree, where Doxygen is found: the
-# reference of the public headers, under the names by which users include them.
+# The target docs_api writes docs/api/index.html into the build tree, where Doxygen and Debian's python3 are
+# found: the reference of the public headers, under the names by which users include them.
 find_program(VDWMESH_DOXYGEN doxygen)
 find_program(VDWMESH_DOCS_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 if(PROJECT_IS_TOP_LEVEL AND VDWMESH_DOXYGEN AND VDWMESH_DOCS_PYTHON)

@@ -140,7 +140,7 @@ std::uint64_t DeviceBrickMesher::mesh_bytes(const BrickSums& from, const BrickSu
 
 void DeviceBrickMesher::count(const KeyRange& own) {
   const std::uint64_t most = options_.memory_limit / sizeof(ActiveBrick);
-  count(source_.candidates(with_halo(own, options_.connectivity), most), own);
+  count(source_.candidates(with_halo(own), most), own);
 }
 
 void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {

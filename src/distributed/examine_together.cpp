@@ -37,7 +37,7 @@ Box box_together(const Ranks& ranks, const IndexedMesh& mesh) {
   return ranks.shared(all);
 }
 
-// The connected vertices of a part, whose own edges the survey has joined already.
+// The connected vertices of a part. The survey has joined the ends of its own edges already.
 class VertexSets {
  public:
   // An edge that is not own has a vertex of another rank, and so have its triangles.

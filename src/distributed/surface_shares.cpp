@@ -71,7 +71,7 @@ std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t 
 ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
                            const KeyRange& range) {
   const GridSpec& grid = model.grid;
-  const KeyRange halo = with_halo(range, Connectivity::triangles);
+  const KeyRange halo = with_halo(range);
   const std::int64_t top = brick_count(grid.cells.z) - 1;
   const std::int64_t last = halo.end == kNoBrickKey ? top : brick_of_key(halo.end).z;
   const Slab slab =

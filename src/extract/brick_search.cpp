@@ -113,9 +113,8 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
 
 }  // namespace
 
-KeyRange with_halo(const KeyRange& range, Connectivity connectivity) {
-  const std::uint64_t below = connectivity == Connectivity::half_edges ? brick_key({0, 0, 1}) : 0,
-                      above = brick_key({1, 1, 1});
+KeyRange with_halo(const KeyRange& range) {
+  const std::uint64_t below = brick_key({0, 0, 1}), above = brick_key({1, 1, 1});
   return {range.begin > below ? range.begin - below : 0,
           range.end < kNoBrickKey - above ? range.end + above : kNoBrickKey};
 }

@@ -188,7 +188,8 @@ class Pictures(PictureTest):
         self.assertEqual({path.name for path in IMAGES.glob("*.png")}, {*pages, *self.commands(), *DRAWN_ELSEWHERE})
 
     def test_pictures_are_those_of_their_commands(self):
-        self.device()
+        if "llvmpipe" not in self.device():
+            self.skipTest("pictures are compared on llvmpipe alone")
         for name, command in self.commands().items():
             self.run_ok(*command.split()[1:], cwd=self.folder)
             self.assert_is_shown(name)

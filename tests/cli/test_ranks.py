@@ -16,7 +16,8 @@ import time
 import unittest
 from pathlib import Path
 
-from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, missing, need_package, need_shared, ranks_environment, run
+from program import (BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, missing, need_package, need_shared,
+                     ranks_environment, run)  # fmt: skip
 
 RANKS_PROGRAM = os.environ["VDWMESH_RANKS_PROGRAM"]
 MPIRUN = os.environ["VDWMESH_MPIRUN"]
