@@ -108,8 +108,8 @@ constexpr double extrapolate_second_order(double coarse, double fine) {
 //
 // If the edges are known to be paired, most neighbours need no search. Then the mesh must be closed
 // and oriented, as topology() finds. If a grid is given on which marching cubes may have made the
-// mesh, the search tries its cells first, which takes a tenth of the time if the mesh lies in them.
-// Whether it does is found out, so any grid will do.
+// mesh, the search tries its cells first, which takes an eighth of the time if the mesh lies in
+// them. Whether it does is found out, so any grid will do.
 enum class MeshEdges : std::uint8_t { unknown, paired };
 std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor = nullptr,
                                  MeshEdges edges = MeshEdges::unknown,

@@ -33,16 +33,18 @@ std::array<std::int64_t, 6> in_order(const Place& p) {
   return {p[2] / 8, p[1] / 8, p[0] / 8, p[2] % 8, p[1] % 8, p[0] % 8};
 }
 
-// Marching cubes from random signs. Vertices are where the dice fall.
+// Marching cubes from random signs, of which the share `inside` is inside. Vertices are where the
+// dice fall.
 class RandomSurface {
  public:
-  RandomSurface(Dice& dice, const Place& cells) : dice_(dice), grid_{{}, 1, {}} {
+  RandomSurface(Dice& dice, const Place& cells, double inside) : dice_(dice), grid_{{}, 1, {}} {
     for (int axis = 0; axis < 3; ++axis) grid_.cells[axis] = cells[std::size_t(axis)];
     grid_.spacing =
         std::array{1.0, 0.1, 1.0 / 3, 1e-3, 0x1p-900, 0x1p900}[std::size_t(dice.whole(0, 5))];
     for (int axis = 0; axis < 3; ++axis) {
       grid_.origin[axis] = grid_.spacing * dice.real(-1, 1) * (dice.one_in(3) ? 1e6 : 10);
     }
+    make(inside);
   }
 
   const GridSpec& grid() const { return grid_; }
@@ -52,6 +54,16 @@ class RandomSurface {
   std::map<std::pair<Place, int>, std::uint32_t> number;  // of the vertex on an edge
   Buffer<Vec3d> positions;
 
+  IndexedMesh mesh() const {
+    IndexedMesh mesh;
+    mesh.positions = positions;
+    for (const auto& cell : cells) {
+      for (const Triangle& t : cell) mesh.triangles.push_back(t);
+    }
+    return mesh;
+  }
+
+ private:
   void make(double inside) {
     std::map<Place, bool> signs;
     each([&](const Place& p) { signs[p] = is_real(p) && dice_.real(0, 1) < inside; });
@@ -81,17 +93,6 @@ class RandomSurface {
       places.push_back(p);
     });
   }
-
-  IndexedMesh mesh() const {
-    IndexedMesh mesh;
-    mesh.positions = positions;
-    for (const auto& cell : cells) {
-      for (const Triangle& t : cell) mesh.triangles.push_back(t);
-    }
-    return mesh;
-  }
-
- private:
   bool is_real(const Place& p) const {
     for (int axis = 0; axis < 3; ++axis) {
       if (is_virtual(grid_, axis, p[std::size_t(axis)])) return false;
@@ -146,8 +147,8 @@ bool same_with_grid(const IndexedMesh& mesh, const GridSpec& grid) {
 TEST(CellPairs, AreThoseOfTheSearchWithoutAGrid) {
   for (unsigned seed = 1; seed <= 90; ++seed) {
     Dice dice(seed);
-    RandomSurface surface(dice, {dice.whole(1, 9), dice.whole(1, 8), dice.whole(1, 3)});
-    surface.make(std::array{0.5, 0.1, 0.9}[seed % 3]);
+    RandomSurface surface(dice, {dice.whole(1, 9), dice.whole(1, 8), dice.whole(1, 3)},
+                          std::array{0.5, 0.1, 0.9}[seed % 3]);
     if (surface.cells.empty()) continue;
     ASSERT_TRUE(same_with_grid(surface.mesh(), surface.grid())) << "seed " << seed;
   }
@@ -172,8 +173,7 @@ TEST(CellPairs, OfPlantedTrianglesAreThoseOfTheSearchWithoutAGrid) {
   std::size_t decided = 0, left = 0, pairs = 0;
   for (unsigned seed = 1; seed <= 1200; ++seed) {
     Dice dice(seed);
-    RandomSurface surface(dice, {dice.whole(1, 3), dice.whole(1, 3), dice.whole(1, 3)});
-    surface.make(0.5);
+    RandomSurface surface(dice, {dice.whole(1, 3), dice.whole(1, 3), dice.whole(1, 3)}, 0.5);
     if (surface.cells.empty()) continue;
     for (int k = dice.whole(1, 6); k > 0; --k) {
       auto& cell =
@@ -223,8 +223,7 @@ TEST(CellPairs, SidesPlantedInAFaceMayCross) {
   std::size_t planted = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     Dice dice(seed);
-    RandomSurface surface(dice, {3, 3, 3});
-    surface.make(0.5);
+    RandomSurface surface(dice, {3, 3, 3}, 0.5);
     for (std::size_t a = 0; a < surface.cells.size(); ++a) {
       const int axis = dice.whole(0, 2), u = (axis + 1) % 3, v = (axis + 2) % 3;
       Place p = surface.places[a];
@@ -261,8 +260,7 @@ TEST(CellPairs, SidesPlantedInAFaceMayCross) {
 // A surface, and one thing wrong with it at a time.
 TEST(CellPairs, NothingElsePassesForTheMeshOfAGrid) {
   Dice dice(5);
-  RandomSurface surface(dice, {8, 2, 3});
-  surface.make(0.5);
+  RandomSurface surface(dice, {8, 2, 3}, 0.5);
   const IndexedMesh mesh = surface.mesh();
   const GridSpec grid = surface.grid();
   ASSERT_TRUE(same_with_grid(mesh, grid));
@@ -320,8 +318,7 @@ TEST(CellPairs, NothingElsePassesForTheMeshOfAGrid) {
 // triangles of its cell keep the vertex that it had.
 TEST(CellPairs, TrianglesThatReachBeyondTheirCellAreFound) {
   Dice dice(8);
-  RandomSurface surface(dice, {4, 4, 4});
-  surface.make(0.5);
+  RandomSurface surface(dice, {4, 4, 4}, 0.5);
   const IndexedMesh mesh = surface.mesh();
   std::size_t moved = 0;
   for (const auto& [edge, vertex] : surface.number) {
@@ -349,8 +346,7 @@ TEST(CellPairs, TrianglesThatReachBeyondTheirCellAreFound) {
 
 TEST(CellPairs, NeedAGridWhosePlanesAreApart) {
   Dice dice(6);
-  RandomSurface surface(dice, {4, 4, 4});
-  surface.make(0.5);
+  RandomSurface surface(dice, {4, 4, 4}, 0.5);
   const IndexedMesh mesh = surface.mesh();
   const double none = std::numeric_limits<double>::quiet_NaN(),
                infinite = std::numeric_limits<double>::infinity();
