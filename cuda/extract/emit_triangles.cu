@@ -306,13 +306,20 @@ __device__ void share_row_of_cells(const CellsBeyond& beyond, int y, int z, int 
 // that only shares an edge with this one needs no check of its own: if the surface crosses that
 // edge, it crosses the four faces at it. A brick between the two shares such a face with both. If
 // it is in the list, its own check reports the missing brick; if not, this check reports it.
+// `searched_from`: the search has left out all bricks with lower keys, which only lie across lower
+// faces. Without half-edges nothing refers to them.
 __device__ void check_neighbours(const TriangleNeighbours& near, std::uint32_t faces,
+                                 std::uint64_t key, std::uint64_t searched_from,
                                  unsigned long long* missing) {
   const unsigned face = threadIdx.x % kWarp;
-  if (face < 6 && (faces >> face & 1u) != 0 &&
-      near.place[neighbour_across(static_cast<int>(face))] == kNoBrick) {
-    atomicAdd(missing, 1ull);
+  if (face >= 6 || (faces >> face & 1u) == 0 ||
+      near.place[neighbour_across(static_cast<int>(face))] != kNoBrick) {
+    return;
   }
+  const unsigned axis = face / 2;
+  const std::uint64_t step = brick_key({axis == 0, axis == 1, axis == 2});
+  const bool searched = face % 2 == 1 || key >= searched_from + step;
+  if (searched) atomicAdd(missing, 1ull);
 }
 
 // For half-edges: enters the mixed cells beyond all faces that the surface crosses. The first warp
@@ -413,8 +420,9 @@ struct StackedMeshes {
 template <Connectivity connectivity, class Meshes>
 __global__ void __launch_bounds__(kTriangleThreads)
     emit_triangles(BrickList list, Meshes meshes, std::uint32_t first,
-                   const TriangleNeighbours* neighbours, const CaseTable* global_table,
-                   const TriangleCodes* codes, DeviceMeshView mesh, unsigned long long* missing) {
+                   const TriangleNeighbours* neighbours, std::uint64_t searched_from,
+                   const CaseTable* global_table, const TriangleCodes* codes, DeviceMeshView mesh,
+                   unsigned long long* missing) {
   __shared__ TriangleShared<connectivity> s;
   constexpr bool half_edges = connectivity == Connectivity::half_edges;
   const CaseTable& table = *global_table;
@@ -438,7 +446,7 @@ __global__ void __launch_bounds__(kTriangleThreads)
   __syncthreads();
   const std::uint32_t faces = faces_crossed(s.face_signs);
   share_rows_beyond(list, before_mesh.vertices, faces, s);
-  if (threadIdx.x < kWarp) check_neighbours(s.near, faces, missing);
+  if (threadIdx.x < kWarp) check_neighbours(s.near, faces, s.brick.key, searched_from, missing);
   if constexpr (half_edges) share_cells_beyond(list, before_mesh.triangles, table, faces, s);
   __syncthreads();
 
@@ -476,15 +484,16 @@ __global__ void __launch_bounds__(kTriangleThreads)
 
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
-                              const BrickSums* before_mesh, const BrickRange& range,
-                              const DeviceMeshView& mesh, DeviceEmissionTally* tally,
-                              const Stream& stream) {
+                              std::uint64_t searched_from, const BrickSums* before_mesh,
+                              const BrickRange& range, const DeviceMeshView& mesh,
+                              DeviceEmissionTally* tally, const Stream& stream) {
   const auto emit = [&]<class Meshes>(const Meshes& meshes) {
     const auto kernel = mesh.opposite != nullptr ? emit_triangles<Connectivity::half_edges, Meshes>
                                                  : emit_triangles<Connectivity::triangles, Meshes>;
     launch("emit_triangles", kernel, {static_cast<unsigned>(range.size()), kTriangleThreads},
            stream, bricks, meshes, static_cast<std::uint32_t>(range.begin), neighbours.data(),
-           case_table_on_device(), triangle_codes_on_device(), mesh, &tally->missing_neighbours);
+           searched_from, case_table_on_device(), triangle_codes_on_device(), mesh,
+           &tally->missing_neighbours);
   };
   if (before_mesh == nullptr) {
     emit(OneMesh{});
