@@ -111,19 +111,20 @@ std::vector<std::vector<SentSphere>> SphereBlock::choose(std::span<const PartExt
     const auto id = static_cast<SphereId>(first_ + i);
     for (std::size_t part = 0; part < parts.size(); ++part) {
       if (!parts[part].may_touch(spheres_[i], axis_)) continue;
-      chosen[part].push_back({spheres_[i], id, owners_[i] == part ? 1u : 0u});
+      chosen[part].push_back({spheres_[i], id, owners_[i]});
     }
   }
   return chosen;
 }
 
-SphereShare gather_share(const std::vector<std::vector<SentSphere>>& from_each) {
+SphereShare gather_share(std::size_t part, const std::vector<std::vector<SentSphere>>& from_each) {
   SphereShare share;
   for (const std::vector<SentSphere>& from : from_each) {
-    for (const auto& [sphere, id, is_own] : from) {
-      if (is_own != 0) share.own.push_back(static_cast<SphereId>(share.near.ids.size()));
+    for (const auto& [sphere, id, owner] : from) {
+      if (owner == part) share.own.push_back(static_cast<SphereId>(share.near.ids.size()));
       share.near.spheres.push_back(sphere);
       share.near.ids.push_back(id);
+      share.owner.push_back(owner);
     }
   }
   return share;
@@ -147,7 +148,7 @@ SphereShare share_of_spheres(const Ranks& ranks, const SphereSet& spheres) {
   ranks.together([&] { sent = block.choose(parts); });
   const std::vector<std::vector<SentSphere>> received = ranks.exchange(sent);
   SphereShare share;
-  ranks.together([&] { share = gather_share(received); });
+  ranks.together([&] { share = gather_share(static_cast<std::size_t>(ranks.number()), received); });
   return share;
 }
 

@@ -20,8 +20,9 @@
 namespace vdwmesh {
 
 struct SphereShare {
-  ChosenSpheres near;         // the share, and all spheres that overlap or touch one of it
-  std::vector<SphereId> own;  // the share, as indices of near.spheres, ascending
+  ChosenSpheres near;                // the share, and all spheres that overlap or touch one of it
+  std::vector<SphereId> own;         // the share, as indices of near.spheres, ascending
+  std::vector<std::uint32_t> owner;  // [i]: the part that has near.spheres[i] in its share
 };
 
 // The share of this rank. It is empty if there are fewer spheres than ranks. Precondition: the set
@@ -37,11 +38,11 @@ struct PartExtent {
   bool may_touch(const Sphere& s, int axis) const;
 };
 
-// A sphere as it is sent to a part. `is_own` is 1 if the sphere is in its share, else 0.
+// A sphere as it is sent to a part, and the part that has it in its share.
 struct SentSphere {
   Sphere sphere;
   SphereId id;
-  std::uint32_t is_own;
+  std::uint32_t owner;
 };
 
 // One block of the spheres, of as many as there are parts. The functions are called one after the
@@ -68,7 +69,7 @@ class SphereBlock {
   std::vector<std::uint32_t> owners_;  // likewise
 };
 
-// What a part has got, [block]: from each block.
-SphereShare gather_share(const std::vector<std::vector<SentSphere>>& from_each);
+// What this part has got, [block]: from each block.
+SphereShare gather_share(std::size_t part, const std::vector<std::vector<SentSphere>>& from_each);
 
 }  // namespace vdwmesh
