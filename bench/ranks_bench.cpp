@@ -8,9 +8,10 @@
 // There are as many copies as N atoms take (lattice.hpp; default: a million). --threads is of one
 // rank; without it a rank takes the processors that it is bound to. Times are by the clock, from
 // all ranks ready to all ranks done; the first repetition includes the start of a device, and
-// memory that nobody has written before. --devices meshes without the other ranks' part of the
-// work, by the extractor of one process, on so many devices (with one rank only). --stages does the
-// steps of the mesh once more one by one, and times each. --check closes with two proofs:
+// memory that nobody has written before, which later ones use again. --devices meshes without the
+// other ranks' part of the work, by the extractor of one process, on so many devices (with one rank
+// only). --stages does the steps of the mesh once more one by one, and times each. --check closes
+// with two proofs:
 //
 // - The directed edges of all triangles, by the numbers of their vertices in the whole mesh, cancel
 //   out: each has its reverse. Every undirected edge has a pseudo-random number of 64 bits, which
