@@ -5,9 +5,9 @@
 
 The trajectory is one DCD file of the structure's protein (chains of ATOM records), whose atoms move by about
 0.3 Å from frame to frame. Process i of P measures frames i F/P up to (i+1) F/P of it, on device i modulo their
-number. Times are by the clock, from all processes ready, with their device started and three chunks measured,
-to all frames measured; the fastest of three rounds. The sum of all areas is printed without rounding error, so
-that it must be the same for any number of processes.
+number and on the i-th of P shares of the processors. Times are by the clock, from all processes ready, with
+their device started and three chunks measured, to all frames measured; the fastest of three rounds. The sum of
+all areas is rounded once, so it must be the same for any number of processes.
 """
 
 import argparse
@@ -25,8 +25,10 @@ ROUNDS = 3
 
 
 def work(number, count, options, path, radii, barrier, results):
-    devices = options.devices
-    os.environ["CUDA_VISIBLE_DEVICES"] = str(number % devices)
+    os.environ["CUDA_VISIBLE_DEVICES"] = str(number % options.devices)
+    processors = sorted(os.sched_getaffinity(0))
+    share = len(processors) * number // count, max(1, len(processors) * (number + 1) // count)
+    os.sched_setaffinity(0, processors[slice(*share)] or processors)
     import vdwmesh
 
     first, end = options.frames * number // count, options.frames * (number + 1) // count
