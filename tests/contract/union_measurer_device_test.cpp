@@ -160,12 +160,13 @@ class ArcsOnTheDevice : public BackendTest {
 // Measures the spheres around a place, and compares those that have all that overlap them with what
 // the whole set gave. Returns how many had no doubt.
 std::size_t expect_bits_of_whole(const std::vector<Sphere>& all, const DeviceArcs& whole,
-                                 const Vec3d& place) {
+                                 const Vec3d& place, double radius) {
   const auto within = [&](const Sphere& s, double reach) {
     const Vec3d to = s.center - place;
     return std::max({std::abs(to.x), std::abs(to.y), std::abs(to.z)}) < reach;
   };
-  std::vector<Sphere> some{{{1e3, 0, 0}, 1e-3}};  // other cells, and other levels of them
+  // Cells are as wide as the largest ball, and of the 1,000 Å to this one there are few.
+  std::vector<Sphere> some{{{1e3, 0, 0}, 1.7 * radius}};
   std::vector<std::size_t> ids{all.size()};
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!within(all[i], 4)) continue;
@@ -191,13 +192,13 @@ std::size_t expect_bits_of_whole(const std::vector<Sphere>& all, const DeviceArc
 TEST_F(ArcsOnTheDevice, SpheresHaveTheSameBitsInEverySetWithTheirNeighbours) {
   for (const double radius : {0.6, 0.8, 1.0}) {
     std::vector<Sphere> all = nearly_a_crystal(radius);
-    // Spheres of a cell stand in the order of the set: cells of another place or size then give
-    // neighbours another order.
+    // Spheres of a cell stand in the order of the set, so wider cells give neighbours another
+    // order.
     std::ranges::shuffle(all, std::mt19937_64(5));
     const DeviceArcs whole = measure_arcs_on_device(SphereSet::view(all));
     std::size_t good = 0;
     for (int part = 0; part < 30; ++part) {
-      good += expect_bits_of_whole(all, whole, {1.07 * part, 0.2 * part, 0.17 * part});
+      good += expect_bits_of_whole(all, whole, {1.07 * part, 0.2 * part, 0.17 * part}, radius);
     }
     EXPECT_GT(good, 1000u) << radius;
   }
