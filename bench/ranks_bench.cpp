@@ -246,11 +246,13 @@ class Bench {
     UnionTogetherOptions wanted;
     wanted.topology =
         arguments_.exact == "counts" ? TopologyRequest::counts : TopologyRequest::none;
+    if (wanted.topology == TopologyRequest::none) wanted.backend = arguments_.backend;
     for (int repeat = 0; repeat < arguments_.repeats; ++repeat) {
-      ExactUnion result;
+      UnionTogether result;
       const double seconds =
           seconds_of(ranks_, [&] { result = union_together(ranks_, spheres_, wanted); });
-      say("exact {:.3f} s: area {:.6f} volume {:.6f}\n", seconds, result.area, result.volume);
+      say("exact {:.3f} s{}: area {:.17g} volume {:.17g}\n", seconds,
+          result.backend == Backend::cuda ? " on devices" : "", result.area, result.volume);
     }
     say_memory();
   }

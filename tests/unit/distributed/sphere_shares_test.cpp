@@ -27,8 +27,9 @@ std::vector<Sphere> random_spheres(std::size_t count, Vec3d size) {
 std::vector<SphereShare> shares_of(const SphereSet& spheres, std::size_t parts) {
   std::vector<SphereBlock> blocks;
   Box box = empty_box();
+  const std::size_t count = spheres.size();
   for (std::size_t block = 0; block < parts; ++block) {
-    blocks.emplace_back(spheres, block, parts);
+    blocks.emplace_back(spheres, count * block / parts, count * (block + 1) / parts, parts);
     include(box, blocks.back().box_of_centers());
   }
   std::vector<std::vector<std::uint64_t>> before;
@@ -43,14 +44,14 @@ std::vector<SphereShare> shares_of(const SphereSet& spheres, std::size_t parts) 
     const std::vector<PartExtent> of_block = blocks[block].divide(all, before[block]);
     for (std::size_t part = 0; part < parts; ++part) extents[part].add(of_block[part]);
   }
-  std::vector<std::vector<std::vector<SentSphere>>> to_part(parts);
+  std::vector<std::vector<std::vector<NamedSphere>>> to_part(parts);
   for (const SphereBlock& block : blocks) {
-    std::vector<std::vector<SentSphere>> sent = block.choose(extents);
+    std::vector<std::vector<NamedSphere>> sent = block.choose(extents);
     for (std::size_t part = 0; part < parts; ++part) to_part[part].push_back(sent[part]);
   }
   std::vector<SphereShare> shares;
   for (std::size_t part = 0; part < parts; ++part) {
-    shares.push_back(gather_share(part, to_part[part]));
+    shares.push_back(gather_share(part, spheres, to_part[part]));
   }
   return shares;
 }
