@@ -92,13 +92,6 @@ struct IsToUndo {
   }
 };
 
-// The edges whose midpoints a pass puts back, in device memory. Their order depends on the
-// scheduling of threads; the results do not.
-struct EdgeList {
-  const std::uint32_t* edges = nullptr;  // edge numbers of the parent
-  std::uint64_t count = 0;
-};
-
 // The edges of all `marked` marked midpoints, found by a search over all states. This is the
 // fallback if the list of MoveStatesView was too short for all of them.
 DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const MoveState* move_states,
@@ -265,7 +258,7 @@ std::uint64_t take_back_midpoints(const Patches& level, const LevelPasses& passe
   std::uint64_t undone = 0;
   for (int pass = 0;; ++pass) {
     advance(passes.monitor, 0);
-    if (finder) finder->mark(now.move_states, pass);
+    if (finder) finder->mark(now.move_states, pass, last);
     const std::uint64_t marked = fetch(now.move_states.marked, stream);
     // Only now are the midpoints done that the previous pass has put back: by their state
     // just_undone the finder has recognised the triangles to test again.
@@ -296,7 +289,7 @@ std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& pa
     clear_marks(passes.move_states, stream);
     launch("mark_turned", mark_turned, over(level.patches(), kThreads), stream, passes.surface,
            level, passes.move_states, pass);
-    if (finder) finder->mark(passes.move_states, pass);
+    if (finder) finder->mark(passes.move_states, pass, {});
     if (fetch(passes.move_states.marked, stream) == 0) return fetch(restored.data(), stream);
     launch("restore_marked", restore_marked, over(level.given.vertices, kThreads), stream,
            passes.surface, level, passes.move_states.move_states, restored.data());

@@ -3,12 +3,9 @@
 // patch in the list of a cell.
 //
 // Then the pairs of patches that share a cell are listed (find_pairs()), as many at a time as the
-// list has room for, and tested (test_pairs()). A pair that shares several cells is listed in one
-// of them only: the cell that holds the lower corner of the intersection of the two boxes. This is
-// the reference point method of spatial joins (Dittrich and Seeger, ICDE 2000).
-//
-// Each test drops most of what it sees, so lanes with something left would be few in a warp. The
-// warp therefore collects what is left in a queue in shared memory until it has work for all lanes.
+// list has room for, and tested (patch_pair_tests.cuh). A pair that shares several cells is listed
+// in one of them only: the cell that holds the lower corner of the intersection of the two boxes.
+// This is the reference point method of spatial joins (Dittrich and Seeger, ICDE 2000).
 #include <thrust/iterator/transform_iterator.h>
 
 #include <algorithm>
@@ -18,14 +15,13 @@
 #include <utility>
 
 #include "cuda/memory/cub_calls.cuh"
-#include "cuda/memory/warp.cuh"
 #include "cuda/refine/device_crossings.cuh"
-#include "refine/crossing_formulas.hpp"
+#include "cuda/refine/patch_pair_tests.cuh"
 
 namespace vdwmesh {
 namespace {
 
-constexpr unsigned kThreads = 256, kTestThreads = 128;
+constexpr unsigned kThreads = 256;
 // Entries whose pairs are listed at a time. Molecules have about one pair for an entry.
 constexpr std::uint64_t kEntriesAtOnce = std::uint64_t{1} << 24;
 // The width of a cell, in units of the mean of the longest sides of patches' boxes.
@@ -135,42 +131,49 @@ __global__ void mark_dirty(CrossingGrid grid, const SurveyedPatch* patches, std:
   visit_cells(grid, patches[t].box, [&](std::uint64_t cell) { dirty[cell] = 1; });
 }
 
+// Writes which triangles of level 0 a later pass must test. One thread per triangle.
+__global__ void renew_wanted(GivenPatches level, MoveStatesView states, int pass,
+                             SurveyedPatch* patches) {
+  const std::uint64_t t = thread_index();
+  if (t >= level.patches()) return;
+  for (int i = 0; i < 3; ++i) {
+    patches[t].wanted[i] = has_wanted_state(states, level.vertex(t, i), pass) ? 1 : 0;
+  }
+}
+
+// Makes all patches such that no pass must test them. One thread per patch.
+__global__ void want_none(SurveyedPatch* patches, std::uint64_t count) {
+  const std::uint64_t t = thread_index();
+  if (t >= count) return;
+  for (std::uint8_t& wanted : patches[t].wanted) wanted = 0;
+}
+
+// The patch of the parent's half-edge that the thread handles in a launch of two threads per listed
+// edge. A patch may come more than once.
+template <class Patches>
+__device__ std::uint64_t patch_at(const Patches& level, const EdgeList& list) {
+  const std::uint64_t i = thread_index(), h = level.edges.half_edge(list.edges[i / 2]);
+  return level.patch_of(i % 2 == 0 ? h : level.parent.opposite[h]);
+}
+
+// Says that a pass must test the patches at listed edges, and makes their cells dirty. Two threads
+// per edge.
+template <class Patches>
+__global__ void want_listed(Patches level, CrossingGrid grid, EdgeList list, SurveyedPatch* patches,
+                            std::uint8_t* dirty) {
+  if (thread_index() >= 2 * list.count) return;
+  SurveyedPatch& patch = patches[patch_at(level, list)];
+  patch.wanted[0] = 1;
+  visit_cells(grid, patch.box, [&](std::uint64_t cell) { dirty[cell] = 1; });
+}
+
+// Says that the next pass need not test the patches at listed edges. Two threads per edge.
+template <class Patches>
+__global__ void forget_listed(Patches level, EdgeList list, SurveyedPatch* patches) {
+  if (thread_index() < 2 * list.count) patches[patch_at(level, list)].wanted[0] = 0;
+}
+
 // ---- crossings ----
-
-// The corners of a triangle.
-struct Corners {
-  std::uint32_t vertex[3];
-  Vec3d position[3];
-  SphereId atom[3];
-};
-
-__device__ void load_vertices(const DeviceMeshView& mesh, std::uint64_t t, std::uint32_t* vertex) {
-  for (int k = 0; k < 3; ++k) vertex[k] = mesh.corners[3 * t + k];
-}
-
-__device__ void load_places(const DeviceMeshView& mesh, Corners& c) {
-  for (int k = 0; k < 3; ++k) {
-    c.position[k] = mesh.positions[c.vertex[k]];
-    c.atom[k] = mesh.vertex_spheres.atoms[c.vertex[k]];
-  }
-}
-
-// Whether a vertex of the triangle is where its move led. Other threads may mark vertices
-// meanwhile: a marked vertex still counts as away, so the result does not depend on their order.
-__device__ bool is_away(const MoveStatesView& move_states, const std::uint32_t* vertex) {
-  bool away = false;
-  for (int k = 0; k < 3; ++k) away |= has_wanted_state(move_states, vertex[k], 0);
-  return away;
-}
-
-// Whether two boxes have a point in common.
-__device__ bool overlap(const FloatBox& a, const FloatBox& b) {
-  bool apart = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    apart |= a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis];
-  }
-  return !apart;
-}
 
 // Whether the pair of patches with boxes a and b is to be tested in the cell at `place`, one of the
 // cells that both touch: whether this cell holds the lower corner of the boxes' intersection.
@@ -183,11 +186,6 @@ __device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, co
     first &= cell_along(grid, axis, corner) == place.along[axis];
   }
   return first;
-}
-
-__device__ bool is_crossing(const Corners& a, const Corners& b) {
-  return boxes_overlap(a.position, b.position) &&
-         triangles_cross(a.position, a.vertex, a.atom, b.position, b.vertex, b.atom);
 }
 
 // Whether two patches have a corner with a star in common, so that none of their triangles cross.
@@ -256,148 +254,6 @@ __global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
       const std::uint64_t k = base + static_cast<unsigned>(__ffs(static_cast<int>(found))) - 1;
       if (slot < room) pairs[slot] = {entry.patch, grid.entries[k].patch};
     }
-  }
-}
-
-// ---- tests of triangles ----
-
-// Whether triangles s and t may cross: whether they have a moved vertex and no common edge, and
-// their boxes overlap. triangles_cross() asks again for edges; here pairs are dropped that would
-// keep lanes of it idle.
-__device__ bool may_cross(const DeviceMeshView& mesh, const MoveStatesView& move_states,
-                          std::uint64_t s, std::uint64_t t) {
-  Corners a, b;
-  load_vertices(mesh, s, a.vertex);
-  load_vertices(mesh, t, b.vertex);
-  int shared = 0;
-  for (const std::uint32_t v : a.vertex) {
-    shared += v == b.vertex[0] || v == b.vertex[1] || v == b.vertex[2] ? 1 : 0;
-  }
-  if (shared > 1) return false;
-  if (!is_away(move_states, a.vertex) && !is_away(move_states, b.vertex)) return false;
-  for (int k = 0; k < 3; ++k) {
-    a.position[k] = mesh.positions[a.vertex[k]];
-    b.position[k] = mesh.positions[b.vertex[k]];
-  }
-  return boxes_overlap(a.position, b.position) != 0;
-}
-
-// Marks the moved vertices of triangles s and t if they cross. Pairs without a moved vertex are not
-// tested.
-__device__ void mark_if_crossing(const DeviceMeshView& mesh, const MoveStatesView& move_states,
-                                 std::uint64_t s, std::uint64_t t) {
-  Corners a, b;
-  load_vertices(mesh, s, a.vertex);
-  load_vertices(mesh, t, b.vertex);
-  if (!is_away(move_states, a.vertex) && !is_away(move_states, b.vertex)) return;
-  load_places(mesh, a);
-  load_places(mesh, b);
-  if (!is_crossing(a, b)) return;
-  for (int k = 0; k < 3; ++k) {
-    move_states.mark(a.vertex[k]);
-    move_states.mark(b.vertex[k]);
-  }
-}
-
-// A queue of pairs in shared memory that belongs to a warp, with room for one push of all lanes
-// while less than a warp is waiting. All lanes must call its members together.
-class PairQueue {
- public:
-  static constexpr unsigned kRoom = 2 * kWarp;
-  __device__ explicit PairQueue(NumberPair* room) : pairs_(room) {}
-
-  __device__ unsigned size() const { return size_; }
-  // Appends the pairs of the lanes that have one.
-  __device__ void push(bool has, const NumberPair& pair) {
-    const unsigned lanes = __ballot_sync(kAllLanes, has), lane = threadIdx.x % kWarp;
-    if (has) pairs_[size_ + static_cast<unsigned>(__popc(lanes & ((1u << lane) - 1)))] = pair;
-    size_ += static_cast<unsigned>(__popc(lanes));
-    __syncwarp();
-  }
-  // Takes a pair for each lane, as far as there are any, and returns how many lanes have one: the
-  // first ones.
-  __device__ unsigned pop(NumberPair& pair) {
-    const unsigned taken = size_ < kWarp ? size_ : kWarp, lane = threadIdx.x % kWarp;
-    size_ -= taken;
-    if (lane < taken) pair = pairs_[size_ + lane];
-    __syncwarp();
-    return taken;
-  }
-
- private:
-  NumberPair* pairs_;
-  unsigned size_ = 0;
-};
-
-// Of each pair that a lane has, the first `count` lanes one, there are 16 pairs of quarters: number
-// 4 a + i for i < 4 with number 4 b + j. Calls visit(has, quarters) for two pairs at a time, half a
-// warp for each; `has` is false in lanes without a pair. All lanes must call it together.
-template <class Visit>
-__device__ void visit_quarters(const NumberPair& pair, unsigned count, const Visit& visit) {
-  constexpr unsigned kHalf = kWarp / 2;
-  const unsigned lane = threadIdx.x % kWarp;
-  for (unsigned first = 0; first < count; first += 2) {
-    const unsigned from = first + lane / kHalf;
-    const std::uint32_t a = __shfl_sync(kAllLanes, pair.a, static_cast<int>(from)),
-                        b = __shfl_sync(kAllLanes, pair.b, static_cast<int>(from));
-    visit(from < count, NumberPair{4 * a + lane % kHalf / 4, 4 * b + lane % 4});
-  }
-}
-
-// Tests the triangles of pairs of patches and marks the vertices of those that cross. A warp takes
-// 32 pairs; for level 0 a thread takes one. Pairs with numbers a > b of equal patches or parts are
-// the same as those with b > a.
-template <class Patches>
-__global__ void __launch_bounds__(kTestThreads)
-    test_pairs(Patches level, const FloatBox* pieces, MoveStatesView move_states,
-               const NumberPair* pairs, std::uint64_t count) {
-  const std::uint64_t first = thread_index() / kWarp * kWarp;
-  const unsigned lane = threadIdx.x % kWarp;
-  if (first >= count) return;  // a whole warp
-  const unsigned here = count - first < kWarp ? static_cast<unsigned>(count - first) : kWarp;
-  const NumberPair pair = lane < here ? pairs[first + lane] : NumberPair{0, 0};
-  if constexpr (Patches::kPieces == 0) {
-    if (lane < here) mark_if_crossing(level.mesh, move_states, pair.a, pair.b);
-  } else {
-    constexpr bool has_parts = Patches::kTriangles > Patches::kPieces;
-    __shared__ NumberPair triangle_room[kTestThreads / kWarp][PairQueue::kRoom];
-    PairQueue triangles(triangle_room[threadIdx.x / kWarp]);
-    const auto test = [&](unsigned least) {
-      while (triangles.size() >= least) {
-        NumberPair t{0, 0};
-        if (lane < triangles.pop(t)) mark_if_crossing(level.mesh, move_states, t.a, t.b);
-        __syncwarp();
-      }
-    };
-    const auto near = [&](const NumberPair& p) { return overlap(pieces[p.a], pieces[p.b]); };
-    if constexpr (!has_parts) {
-      visit_quarters(pair, here, [&](bool has, const NumberPair& t) {
-        const bool in_order = t.a / 4 != t.b / 4 || t.a < t.b;
-        triangles.push(has && in_order && near(t), t);
-        test(kWarp);
-      });
-    } else {
-      __shared__ NumberPair part_room[kTestThreads / kWarp][PairQueue::kRoom];
-      PairQueue parts(part_room[threadIdx.x / kWarp]);
-      const auto test_parts = [&](unsigned least) {
-        while (parts.size() >= least) {
-          NumberPair part{0, 0};
-          const unsigned taken = parts.pop(part);
-          visit_quarters(part, taken, [&](bool has, const NumberPair& t) {
-            const bool in_order = t.a / 4 != t.b / 4 || t.a < t.b;
-            triangles.push(has && in_order && may_cross(level.mesh, move_states, t.a, t.b), t);
-            test(kWarp);
-          });
-        }
-      };
-      visit_quarters(pair, here, [&](bool has, const NumberPair& part) {
-        const bool in_order = part.a / 4 != part.b / 4 || part.a <= part.b;
-        parts.push(has && in_order && near(part), part);
-        test_parts(kWarp);
-      });
-      test_parts(1);
-    }
-    test(1);
   }
 }
 
@@ -511,21 +367,41 @@ std::uint64_t CrossingFinder<Patches>::find(std::uint64_t first, std::uint64_t l
   }
 }
 
+// Notes which patches the pass must test, and makes the cells dirty in which these are.
 template <class Patches>
-void CrossingFinder<Patches>::mark(const MoveStatesView& move_states, int pass) {
-  if (patches_.size() == 0) return;
-  if (pass > 0) {
-    launch("renew_wanted", renew_wanted<Patches>, over(3 * patches_.size(), kThreads), stream_,
-           level_, move_states, pass, patches_.data());
-  }
+void CrossingFinder<Patches>::want(const MoveStatesView& move_states, int pass,
+                                   const EdgeList& changed) {
+  const LaunchShape each = over(patches_.size(), kThreads);
   clear(dirty_, stream_.get());
-  launch("mark_dirty", mark_dirty, over(patches_.size(), kThreads), stream_, grid_, patches_.data(),
-         patches_.size(), dirty_.data());
+  if constexpr (Patches::kPieces > 0) {
+    if (pass == 1) launch("want_none", want_none, each, stream_, patches_.data(), patches_.size());
+    if (pass > 0) {
+      launch("want_listed", want_listed<Patches>, over(2 * changed.count, kThreads), stream_,
+             level_, grid_, changed, patches_.data(), dirty_.data());
+      return;
+    }
+  } else if (pass > 0) {
+    launch("renew_wanted", renew_wanted, each, stream_, level_, move_states, pass, patches_.data());
+  }
+  launch("mark_dirty", mark_dirty, each, stream_, grid_, patches_.data(), patches_.size(),
+         dirty_.data());
+}
+
+template <class Patches>
+void CrossingFinder<Patches>::mark(const MoveStatesView& move_states, int pass,
+                                   const EdgeList& changed) {
+  if (patches_.size() == 0) return;
+  want(move_states, pass, changed);
   for (std::uint64_t first = 0; first < entries_.size(); first += kEntriesAtOnce) {
     const std::uint64_t last = std::min<std::uint64_t>(entries_.size(), first + kEntriesAtOnce);
     const std::uint64_t found = find(first, last, pass);
     launch("test_pairs", test_pairs<Patches>, over(found, kTestThreads), stream_, level_,
            pieces_.data(), move_states, pairs_.data(), found);
+  }
+  if constexpr (Patches::kPieces > 0) {
+    if (pass == 0) return;
+    launch("forget_listed", forget_listed<Patches>, over(2 * changed.count, kThreads), stream_,
+           level_, changed, patches_.data());
   }
 }
 

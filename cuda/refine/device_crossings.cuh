@@ -29,6 +29,13 @@ struct CrossingGrid {
   CellEntry* entries;
 };
 
+// The edges whose midpoints a pass puts back, in device memory. Their order depends on the
+// scheduling of threads; the results do not.
+struct EdgeList {
+  const std::uint32_t* edges = nullptr;  // edge numbers of the parent
+  std::uint64_t count = 0;
+};
+
 // Two patches or two triangles, by number.
 struct alignas(8) NumberPair {
   std::uint32_t a, b;
@@ -45,13 +52,14 @@ class CrossingFinder {
   // Marks the moved vertices of all pairs of triangles that cross. `pass` counts from 0. Pairs
   // without a moved vertex are not tested: if they cross, they did so before the moves. After pass
   // 0 only pairs of patches are tested of which one has a vertex that the pass before has put back;
-  // no other pair has changed.
-  void mark(const MoveStatesView& move_states, int pass);
+  // no other pair has changed. From level 1 on `changed` has the edges with these vertices.
+  void mark(const MoveStatesView& move_states, int pass, const EdgeList& changed);
 
  private:
   void judge_fans(const MoveStatesView& move_states);
   void shape();
   void fill();
+  void want(const MoveStatesView& move_states, int pass, const EdgeList& changed);
   std::uint64_t find(std::uint64_t first, std::uint64_t last, int pass);
 
   Patches level_;

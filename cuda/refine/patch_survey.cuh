@@ -35,6 +35,8 @@ struct MidpointPatches : MidpointLevel {
   // The vertices of the border of the fan of corner 0, which runs counter-clockwise.
   static constexpr __host__ __device__ int border(int i) { return i == 0 ? 1 : i == 1 ? 4 : 2; }
   std::uint64_t corner_vertices() const { return parent.vertices; }
+  // The patch to which half-edge h of the parent belongs.
+  __device__ std::uint64_t patch_of(std::uint64_t h) const { return h / 3; }
 };
 
 // The parent was made by a subdivision too, and a patch is a triangle of the parent's own parent.
@@ -70,6 +72,7 @@ struct DividedPatches : MidpointLevel {
   }
   // The parent's parent is closed too: three edges for two triangles, a midpoint on each.
   std::uint64_t corner_vertices() const { return parent.vertices - 3 * patches() / 2; }
+  __device__ std::uint64_t patch_of(std::uint64_t h) const { return h / 12; }
 };
 
 // A bounding box, Å, rounded outward to single precision. It holds what it bounds with its vertices
@@ -77,6 +80,15 @@ struct DividedPatches : MidpointLevel {
 struct alignas(8) FloatBox {
   float lower[3], upper[3];
 };
+
+// Whether two boxes have a point in common.
+__device__ inline bool overlap(const FloatBox& a, const FloatBox& b) {
+  bool apart = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    apart |= a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis];
+  }
+  return !apart;
+}
 
 // This number is no vertex of a star.
 inline constexpr std::uint32_t kNoStar = 0xffffffffu;
@@ -265,20 +277,6 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
   }
   patches[t].box.lower[c] = lower;
   patches[t].box.upper[c] = upper;
-  patches[t].wanted[c] = wanted ? 1 : 0;
-}
-
-// Writes which patches a later pass must test. Three threads per patch, as above.
-template <class Patches>
-__global__ void renew_wanted(Patches level, MoveStatesView states, int pass,
-                             SurveyedPatch* patches) {
-  const std::uint64_t t = thread_index() / 3;
-  if (t >= level.patches()) return;
-  const int c = static_cast<int>(thread_index() % 3);
-  bool wanted = false;
-  for (int i = c; i < Patches::kVertices; i += 3) {
-    wanted |= has_wanted_state(states, level.vertex(t, i), pass);
-  }
   patches[t].wanted[c] = wanted ? 1 : 0;
 }
 
