@@ -51,7 +51,8 @@ class MeasuringDevice final : public PatchDevice {
       std::vector<PatchJob> some;
       for (PatchJob& job : order.jobs) {
         job.is_begun = true;
-        if (!job.is_withdrawn && some.size() < (std::size_t{1} << 16)) some.push_back(std::move(job));
+        if (!job.is_withdrawn && some.size() < (std::size_t{1} << 16))
+          some.push_back(std::move(job));
       }
       const double host = mesh_on_host(some);
       std::size_t triangles = 0;

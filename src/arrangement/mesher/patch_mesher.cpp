@@ -42,8 +42,9 @@ static inline void triangulate(const PatchBoundary& boundary, const PatchOptions
   if (bound && mesh.splits.empty()) mesh.below = bound->count(scratch.patch);
 }
 
-// Room for the triangulation of so many points and of the frame's corners, and no more.
+// Room for the triangulation of so many points and of the frame's corners, and for later splits.
 static void make_room(std::size_t points, PlaneTriangulation::State& plane) {
+  points = with_room_for_splits(points);
   plane.points.reserve(points + 3);
   plane.star.reserve(points + 3);
   plane.triangles.reserve(2 * points + 1);
