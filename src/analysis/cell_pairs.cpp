@@ -135,10 +135,10 @@ Placed place(Word a, Word b, Word c) {
   const auto edge = [&](Word v) { return kEdgeAt[place_bits(v - cell)]; };
   const std::uint8_t e[3] = {edge(a), edge(b), edge(c)};
   const std::uint32_t edges = (1u << e[0] | 1u << e[1] | 1u << e[2]) & kAllEdges;
-  return {cell, static_cast<std::uint16_t>(edges),
-          static_cast<std::uint16_t>(kAcross[e[0]][e[1]] | kAcross[e[1]][e[2]] |
-                                     kAcross[e[2]][e[0]]),
-          (offsets & ~kOnes) == 0 && std::popcount(edges) == 3};
+  return {
+      cell, static_cast<std::uint16_t>(edges),
+      static_cast<std::uint16_t>(kAcross[e[0]][e[1]] | kAcross[e[1]][e[2]] | kAcross[e[2]][e[0]]),
+      (offsets & ~kOnes) == 0 && std::popcount(edges) == 3};
 }
 
 // The mesh, and the grid edges of its vertices.

@@ -439,9 +439,7 @@ void search_along_walks(const Case& c, bool divided) {
   }
 }
 
-TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) {
-  search_along_walks(GetParam(), false);
-}
+TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) { search_along_walks(GetParam(), false); }
 TEST_P(DistanceSearch, FindsTheNearestOfDividedTrianglesAlongWalks) {
   search_along_walks(GetParam(), true);
 }
