@@ -13,7 +13,7 @@ namespace vdwmesh {
 inline constexpr unsigned kTestThreads = 128;  // of a block
 
 // The corners of a triangle.
-struct Corners {
+struct TriangleCorners {
   std::uint32_t vertex[3];
   Vec3d position[3];
   SphereId atom[3];
@@ -24,7 +24,7 @@ __device__ inline void load_vertices(const DeviceMeshView& mesh, std::uint64_t t
   for (int k = 0; k < 3; ++k) vertex[k] = mesh.corners[3 * t + k];
 }
 
-__device__ inline void load_places(const DeviceMeshView& mesh, Corners& c) {
+__device__ inline void load_places(const DeviceMeshView& mesh, TriangleCorners& c) {
   for (int k = 0; k < 3; ++k) {
     c.position[k] = mesh.positions[c.vertex[k]];
     c.atom[k] = mesh.vertex_spheres.atoms[c.vertex[k]];
@@ -39,7 +39,7 @@ __device__ inline bool is_away(const MoveStatesView& move_states, const std::uin
   return away;
 }
 
-__device__ inline bool is_crossing(const Corners& a, const Corners& b) {
+__device__ inline bool is_crossing(const TriangleCorners& a, const TriangleCorners& b) {
   return boxes_overlap(a.position, b.position) &&
          triangles_cross(a.position, a.vertex, a.atom, b.position, b.vertex, b.atom);
 }
@@ -49,7 +49,7 @@ __device__ inline bool is_crossing(const Corners& a, const Corners& b) {
 // keep lanes of it idle.
 __device__ inline bool may_cross(const DeviceMeshView& mesh, const MoveStatesView& move_states,
                                  std::uint64_t s, std::uint64_t t) {
-  Corners a, b;
+  TriangleCorners a, b;
   load_vertices(mesh, s, a.vertex);
   load_vertices(mesh, t, b.vertex);
   int shared = 0;
@@ -70,7 +70,7 @@ __device__ inline bool may_cross(const DeviceMeshView& mesh, const MoveStatesVie
 __device__ inline void mark_if_crossing(const DeviceMeshView& mesh,
                                         const MoveStatesView& move_states, std::uint64_t s,
                                         std::uint64_t t) {
-  Corners a, b;
+  TriangleCorners a, b;
   load_vertices(mesh, s, a.vertex);
   load_vertices(mesh, t, b.vertex);
   if (!is_away(move_states, a.vertex) && !is_away(move_states, b.vertex)) return;

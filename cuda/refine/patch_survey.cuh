@@ -144,14 +144,15 @@ __global__ void add_directions(Patches level, Vec3f* directions) {
 // is known of it. It is a star if this is 1.
 inline constexpr std::uint32_t kUnknownFan = std::uint32_t{1} << 31, kStarFan = 1;
 
-struct PlanePoint {
+// A point of the plane onto which the patches around a vertex are projected.
+struct FanPoint {
   double x, y;
 };
 
-__device__ inline double cross_of(const PlanePoint& a, const PlanePoint& b) {
+__device__ inline double cross_of(const FanPoint& a, const FanPoint& b) {
   return a.x * b.y - a.y * b.x;
 }
-__device__ inline PlanePoint operator-(const PlanePoint& a, const PlanePoint& b) {
+__device__ inline FanPoint operator-(const FanPoint& a, const FanPoint& b) {
   return {a.x - b.x, a.y - b.y};
 }
 
@@ -166,7 +167,7 @@ class FanPlane {
     first_ = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
     second_ = {b, sign + n.y * n.y * a, -n.y};
   }
-  __device__ PlanePoint image(const Vec3d& p) {
+  __device__ FanPoint image(const Vec3d& p) {
     const Vec3d d = p - corner_;
     most_ = fmax(most_, fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))));
     return {first_.x * d.x + first_.y * d.y + first_.z * d.z,
@@ -184,19 +185,19 @@ class FanPlane {
 
 // Judges a patch as a piece of the fan of its corner 0; `image` has the images of its vertices.
 template <class Patches>
-__device__ void add_to_fan(const FanPlane& plane, const PlanePoint (&image)[Patches::kVertices],
+__device__ void add_to_fan(const FanPlane& plane, const FanPoint (&image)[Patches::kVertices],
                            std::uint32_t* fan) {
   bool holds = true;
 #pragma unroll
   for (int triangle = 0; triangle < Patches::kTriangles; ++triangle) {
-    const PlanePoint& a = image[Patches::corner_of(triangle, 0)];
+    const FanPoint& a = image[Patches::corner_of(triangle, 0)];
     holds &= plane.is_positive(cross_of(image[Patches::corner_of(triangle, 1)] - a,
                                         image[Patches::corner_of(triangle, 2)] - a));
   }
   int crossings = 0;
 #pragma unroll
   for (int i = 0; i + 1 < Patches::kBorder; ++i) {
-    const PlanePoint &a = image[Patches::border(i)], &b = image[Patches::border(i + 1)];
+    const FanPoint &a = image[Patches::border(i)], &b = image[Patches::border(i + 1)];
     holds &= plane.is_positive(cross_of(a, b));
     crossings += a.y < 0 && b.y >= 0;
   }
@@ -243,7 +244,7 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
     }
     const std::uint32_t corner = level.vertex(t, c);
     FanPlane plane(level.mesh.positions[corner], directions[corner]);
-    PlanePoint image[kVertices];
+    FanPoint image[kVertices];
     double along[3];  // the corners' coordinates along axis c
 #pragma unroll
     for (int i = 0; i < kVertices; ++i) {

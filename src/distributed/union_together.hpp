@@ -20,8 +20,8 @@ struct UnionTogetherOptions {
   std::optional<std::span<const SphereId>> measured;   // as in UnionOptions
   PerSphere per_sphere = PerSphere::drop;              // whether ExactUnion::per_sphere is wanted
   std::uint64_t memory_limit = kNoMemoryLimit;         // bytes, of one rank
-  // Not the CPU only without topology and `measured`. Devices measure if all ranks have one; the
-  // ranks of a host take its devices in turn.
+  // Devices measure if this allows it and all ranks have one; the ranks of a host take its devices
+  // in turn. Precondition: the CPU if topology or `measured` is given.
   Backend backend = Backend::cpu;
   Monitor* monitor = nullptr;
 };
