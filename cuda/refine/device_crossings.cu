@@ -22,7 +22,8 @@ namespace vdwmesh {
 namespace {
 
 constexpr unsigned kThreads = 256;
-// Entries whose pairs are listed at a time. Molecules have about one pair for an entry.
+// Entries whose pairs are listed at a time. The list begins with room for two pairs an entry, and
+// grows where there are more: on level 0, for example, no pair is left out for a star.
 constexpr std::uint64_t kEntriesAtOnce = std::uint64_t{1} << 24;
 // The width of a cell, in units of the mean of the longest sides of patches' boxes.
 constexpr double kCellWidth = 2;
@@ -214,12 +215,12 @@ __device__ unsigned long long reserve(unsigned long long* count, unsigned mine) 
 
 // Lists the pairs of patches that must be tested for crossing triangles, those of the entries from
 // `first` to `last`: one thread per entry compares its patch with those before it in the same cell,
-// and with itself if a patch has pieces. The lanes of a cell take them in the same order, so that
+// and with itself if a patch has quarters. The lanes of a cell take them in the same order, so that
 // they mostly read the same patch. Counts all pairs and writes those that there is room for. Stars
 // count in pass 0 only: later one patch of each pair has changed, and the fans of its corners.
 __global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
                            const std::uint8_t* dirty, std::uint64_t first, std::uint64_t last,
-                           bool has_pieces, int pass, NumberPair* pairs, std::uint64_t room,
+                           bool has_quarters, int pass, NumberPair* pairs, std::uint64_t room,
                            unsigned long long* count) {
   const std::uint64_t own = first + thread_index();
   CellEntry entry{0, 0};
@@ -231,7 +232,7 @@ __global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
     entry = grid.entries[own];
     if (dirty[entry.cell] != 0) {
       next = grid.start[entry.cell];
-      end = has_pieces ? own + 1 : own;
+      end = has_quarters ? own + 1 : own;
       mine = patches[entry.patch];
       mine_wanted = is_wanted(mine);
       const std::uint32_t row = entry.cell / grid.cells[0];
@@ -267,9 +268,9 @@ CrossingFinder<Patches>::CrossingFinder(const Patches& level, const MoveStatesVi
   if (level.mesh.triangles > std::numeric_limits<std::uint32_t>::max()) {
     throw LimitExceeded("crossings are looked for among at most 2^32 - 1 triangles");
   }
-  require_device_memory(crossing_search_bytes(level.patches(), Patches::kPieces > 0), kPurpose);
+  require_device_memory(crossing_search_bytes(level.patches(), Patches::kQuarters > 0), kPurpose);
   patches_ = DeviceArray<SurveyedPatch>(level.patches(), stream.get());
-  pieces_ = DeviceArray<FloatBox>(Patches::kPieces * level.patches(), stream.get());
+  quarters_ = DeviceArray<FloatBox>(Patches::kQuarters * level.patches(), stream.get());
   judge_fans(move_states);
   shape();
   fill();
@@ -281,14 +282,14 @@ void CrossingFinder<Patches>::judge_fans(const MoveStatesView& move_states) {
   const std::uint64_t patches = level_.patches();
   DeviceArray<std::uint32_t> fans;
   DeviceArray<Vec3f> directions;
-  if constexpr (Patches::kPieces > 0) {
+  if constexpr (Patches::kQuarters > 0) {
     fans = zeros<std::uint32_t>(level_.corner_vertices(), stream_);
     directions = zeros<Vec3f>(level_.corner_vertices(), stream_);
     launch("add_directions", add_directions<Patches>, over(patches, kThreads), stream_, level_,
            directions.data());
   }
   launch("survey_patches", survey_patches<Patches>, over(3 * patches, kTestThreads), stream_,
-         level_, move_states, patches_.data(), pieces_.data(), directions.data(), fans.data());
+         level_, move_states, patches_.data(), quarters_.data(), directions.data(), fans.data());
   launch("note_stars", note_stars<Patches>, over(patches, kThreads), stream_, level_, fans.data(),
          patches_.data());
 }
@@ -357,7 +358,7 @@ std::uint64_t CrossingFinder<Patches>::find(std::uint64_t first, std::uint64_t l
   for (;;) {
     clear(found_, stream_.get());
     launch("find_pairs", find_pairs, over(last - first, kThreads), stream_, grid_, patches_.data(),
-           dirty_.data(), first, last, Patches::kPieces > 0, pass, pairs_.data(), pairs_.size(),
+           dirty_.data(), first, last, Patches::kQuarters > 0, pass, pairs_.data(), pairs_.size(),
            found_.data());
     const std::uint64_t found = fetch(found_.data(), stream_);
     if (found <= pairs_.size()) return found;
@@ -373,7 +374,7 @@ void CrossingFinder<Patches>::want(const MoveStatesView& move_states, int pass,
                                    const EdgeList& changed) {
   const LaunchShape each = over(patches_.size(), kThreads);
   clear(dirty_, stream_.get());
-  if constexpr (Patches::kPieces > 0) {
+  if constexpr (Patches::kQuarters > 0) {
     if (pass == 1) launch("want_none", want_none, each, stream_, patches_.data(), patches_.size());
     if (pass > 0) {
       launch("want_listed", want_listed<Patches>, over(2 * changed.count, kThreads), stream_,
@@ -396,22 +397,22 @@ void CrossingFinder<Patches>::mark(const MoveStatesView& move_states, int pass,
     const std::uint64_t last = std::min<std::uint64_t>(entries_.size(), first + kEntriesAtOnce);
     const std::uint64_t found = find(first, last, pass);
     launch("test_pairs", test_pairs<Patches>, over(found, kTestThreads), stream_, level_,
-           pieces_.data(), move_states, pairs_.data(), found);
+           quarters_.data(), move_states, pairs_.data(), found);
   }
-  if constexpr (Patches::kPieces > 0) {
+  if constexpr (Patches::kQuarters > 0) {
     if (pass == 0) return;
     launch("forget_listed", forget_listed<Patches>, over(2 * changed.count, kThreads), stream_,
            level_, changed, patches_.data());
   }
 }
 
-// Of each patch what the survey knows, the boxes of its pieces, the offset and the mark of at most
-// one cell, and about three entries; and the list of pairs. The fans take less than the entries,
-// and give their memory back before.
-std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_pieces) {
-  const std::uint64_t of_pieces = has_pieces ? 4 * sizeof(FloatBox) : 0;
+// Of each patch what the survey knows, the boxes of its quarters, the offset and the mark of at
+// most one cell, and about three entries; and the list of pairs. The fans take less than the
+// entries, and give their memory back before.
+std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_quarters) {
+  const std::uint64_t of_quarters = has_quarters ? 4 * sizeof(FloatBox) : 0;
   const std::uint64_t of_cells = 3 * sizeof(CellEntry) + sizeof(unsigned long long) + 1;
-  return patches * (sizeof(SurveyedPatch) + of_pieces + of_cells) +
+  return patches * (sizeof(SurveyedPatch) + of_quarters + of_cells) +
          2 * std::min(3 * patches, kEntriesAtOnce) * sizeof(NumberPair);
 }
 

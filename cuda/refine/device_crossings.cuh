@@ -1,6 +1,6 @@
 // Search for crossing triangles of a level in device memory. It takes the steps of the CPU
 // (refine/bad_moves.cpp): a uniform grid lists patches; of two patches near each other, those that
-// share a star are left out; then pieces of the two are compared by their boxes, and what is left
+// share a star are left out; then quarters of the two are compared by their boxes, and what is left
 // triangle by triangle. The grid has other cells than the CPU's, and boxes are in single precision.
 // The triangles found are the same all the same, because all of this only has to let all pairs pass
 // that cross; refine/crossing_formulas.hpp decides about each in double.
@@ -65,7 +65,7 @@ class CrossingFinder {
   Patches level_;
   const Stream& stream_;
   DeviceArray<SurveyedPatch> patches_;
-  DeviceArray<FloatBox> pieces_;  // Patches::kPieces for each patch
+  DeviceArray<FloatBox> quarters_;  // Patches::kQuarters for each patch
   DeviceArray<unsigned long long> start_;
   DeviceArray<CellEntry> entries_;
   DeviceArray<std::uint8_t> dirty_;        // by cell: 1 if a patch in it must be tested
@@ -79,6 +79,6 @@ extern template class CrossingFinder<MidpointPatches>;
 extern template class CrossingFinder<DividedPatches>;
 
 // An estimate of the bytes that a search takes.
-std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_pieces);
+std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_quarters);
 
 }  // namespace vdwmesh

@@ -1,4 +1,4 @@
-// Tests of pairs of patches on the device: pieces of patches by their boxes, then triangles.
+// Tests of pairs of patches on the device: quarters of patches by their boxes, then triangles.
 //
 // Each test drops most of what it sees, so lanes with something left would be few in a warp. The
 // warp therefore collects what is left in a queue in shared memory until it has work for all lanes.
@@ -197,17 +197,17 @@ __device__ inline bool kept_apart(const MidpointLevel& level, const NumberPair& 
 // the same as those with b > a.
 template <class Patches>
 __global__ void __launch_bounds__(kTestThreads)
-    test_pairs(Patches level, const FloatBox* pieces, MoveStatesView move_states,
+    test_pairs(Patches level, const FloatBox* quarters, MoveStatesView move_states,
                const NumberPair* pairs, std::uint64_t count) {
   const std::uint64_t first = thread_index() / kWarp * kWarp;
   const unsigned lane = threadIdx.x % kWarp;
   if (first >= count) return;  // a whole warp
   const unsigned here = count - first < kWarp ? static_cast<unsigned>(count - first) : kWarp;
   const NumberPair pair = lane < here ? pairs[first + lane] : NumberPair{0, 0};
-  if constexpr (Patches::kPieces == 0) {
+  if constexpr (Patches::kQuarters == 0) {
     if (lane < here) mark_if_crossing(level.mesh, move_states, pair.a, pair.b);
   } else {
-    constexpr bool has_parts = Patches::kTriangles > Patches::kPieces;
+    constexpr bool has_parts = Patches::kTriangles > Patches::kQuarters;
     __shared__ NumberPair triangle_room[kTestThreads / kWarp][PairQueue::kRoom];
     PairQueue triangles(triangle_room[threadIdx.x / kWarp]);
     const auto test = [&](unsigned least) {
@@ -217,7 +217,7 @@ __global__ void __launch_bounds__(kTestThreads)
         __syncwarp();
       }
     };
-    const auto near = [&](const NumberPair& p) { return overlap(pieces[p.a], pieces[p.b]); };
+    const auto near = [&](const NumberPair& p) { return overlap(quarters[p.a], quarters[p.b]); };
     if constexpr (!has_parts) {
       visit_quarters(pair, here, [&](bool has, const NumberPair& t) {
         const bool in_order = t.a / 4 != t.b / 4 || t.a < t.b;

@@ -14,14 +14,14 @@
 
 namespace vdwmesh {
 
-// The views of a level, with the members that the search needs. kPieces: the number of pieces of a
-// patch that have boxes of their own, its triangles on level 1 and its parts from level 2 on.
+// The views of a level, with the members that the search needs. kQuarters: the number of quarters
+// of a patch, which have boxes of their own: its triangles on level 1, its parts from level 2 on.
 struct GivenPatches : GivenLevel {
-  static constexpr int kPieces = 0;
+  static constexpr int kQuarters = 0;
 };
 
 struct MidpointPatches : MidpointLevel {
-  static constexpr int kPieces = 4, kPieceVertices = 3, kBorder = 3;
+  static constexpr int kQuarters = 4, kQuarterVertices = 3, kBorder = 3;
   // The middle child begins where those of corners end; its corners are the midpoints.
   __device__ std::uint32_t vertex(std::uint64_t t, int i) const {
     return i < 3 ? parent.corners[3 * t + i] : mesh.corners[3 * (4 * t + 3) + i - 3];
@@ -29,8 +29,8 @@ struct MidpointPatches : MidpointLevel {
   static constexpr __host__ __device__ int corner_of(int triangle, int k) {
     return child_corner(triangle, k);
   }
-  static constexpr __host__ __device__ int piece_vertex(int piece, int i) {
-    return corner_of(piece, i);
+  static constexpr __host__ __device__ int quarter_vertex(int quarter, int i) {
+    return corner_of(quarter, i);
   }
   // The vertices of the border of the fan of corner 0, which runs counter-clockwise.
   static constexpr __host__ __device__ int border(int i) { return i == 0 ? 1 : i == 1 ? 4 : 2; }
@@ -42,7 +42,7 @@ struct MidpointPatches : MidpointLevel {
 // The parent was made by a subdivision too, and a patch is a triangle of the parent's own parent.
 struct DividedPatches : MidpointLevel {
   static constexpr int kVertices = 15, kTriangles = 16;
-  static constexpr int kPieces = 4, kPieceVertices = 6, kBorder = 5;
+  static constexpr int kQuarters = 4, kQuarterVertices = 6, kBorder = 5;
   __host__ __device__ std::uint64_t patches() const { return parent.triangles / 4; }
   // Midpoint k of parent triangle 4 t + part.
   __device__ std::uint32_t midpoint_in(std::uint64_t t, int part, int k) const {
@@ -54,7 +54,7 @@ struct DividedPatches : MidpointLevel {
     if (i < 6) return parent.corners[3 * (4 * t + 3) + k];
     return i < 9 ? midpoint_in(t, k, 0) : i < 12 ? midpoint_in(t, next, 2) : midpoint_in(t, 3, k);
   }
-  static constexpr __host__ __device__ int piece_vertex(int part, int i) {
+  static constexpr __host__ __device__ int quarter_vertex(int part, int i) {
     const int before = (part + 2) % 3;
     if (part == 3) return i < 3 ? 3 + i : 9 + i;
     return i == 0   ? part
@@ -65,7 +65,7 @@ struct DividedPatches : MidpointLevel {
                     : 9 + before;
   }
   static constexpr __host__ __device__ int corner_of(int triangle, int k) {
-    return piece_vertex(triangle / 4, child_corner(triangle % 4, k));
+    return quarter_vertex(triangle / 4, child_corner(triangle % 4, k));
   }
   static constexpr __host__ __device__ int border(int i) {
     return i == 0 ? 1 : i == 1 ? 7 : i == 2 ? 4 : i == 3 ? 10 : 2;
@@ -95,8 +95,10 @@ inline constexpr std::uint32_t kNoStar = 0xffffffffu;
 
 struct alignas(8) SurveyedPatch {
   FloatBox box;
-  std::uint32_t star[3];   // the corners around which all patches are a star, kNoStar for others
-  std::uint8_t wanted[4];  // byte c: whether a vertex of its kind at corner c has a wanted state
+  std::uint32_t star[3];  // the corners around which all patches are a star, kNoStar for others
+  // The patch must be tested if one of the first three bytes is 1. On level 0 and in pass 0, byte c
+  // says whether a vertex of its kind at corner c has a wanted state; later byte 0 is of them all.
+  std::uint8_t wanted[4];
 };
 
 __device__ inline bool is_wanted(const SurveyedPatch& patch) {
@@ -140,8 +142,8 @@ __global__ void add_directions(Patches level, Vec3f* directions) {
 
 // ---- stars ----
 
-// The state of a fan: how many pieces of its border cross the positive x axis, and whether nothing
-// is known of it. It is a star if this is 1.
+// The state of a fan: how many of its patches cross the positive x axis with their border, and
+// whether nothing is known of it. It is a star if this is 1.
 inline constexpr std::uint32_t kUnknownFan = std::uint32_t{1} << 31, kStarFan = 1;
 
 // A point of the plane onto which the patches around a vertex are projected.
@@ -183,7 +185,7 @@ class FanPlane {
   double most_ = 0;  // the largest difference of coordinates, Å
 };
 
-// Judges a patch as a piece of the fan of its corner 0; `image` has the images of its vertices.
+// Judges what a patch adds to the fan of its corner 0; `image` has the images of its vertices.
 template <class Patches>
 __device__ void add_to_fan(const FanPlane& plane, const FanPoint (&image)[Patches::kVertices],
                            std::uint32_t* fan) {
@@ -215,13 +217,13 @@ __device__ inline void extend(float& lower, float& upper, double coordinate) {
   upper = fmaxf(upper, __double2float_ru(coordinate));
 }
 
-// Writes the boxes of all patches and of their pieces, and which patches pass 0 must test, and
+// Writes the boxes of all patches and of their quarters, and which patches pass 0 must test, and
 // judges the fans of their corners. Three threads per patch: that of corner c has the sides of the
 // boxes along axis c. A midpoint starts between corners of its patch and of its part, which never
 // move; only boxes of single triangles must hold the starts as well.
 template <class Patches>
 __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPatch* patches,
-                               FloatBox* pieces, const Vec3f* directions, std::uint32_t* fans) {
+                               FloatBox* quarters, const Vec3f* directions, std::uint32_t* fans) {
   const std::uint64_t t = thread_index() / 3;
   if (t >= level.patches()) return;
   const int c = static_cast<int>(thread_index() % 3);
@@ -229,7 +231,7 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
   const auto turned = [=](int i) { return i / 3 * 3 + (i % 3 + c) % 3; };
   float lower = INFINITY, upper = -INFINITY;
   bool wanted = false;
-  if constexpr (Patches::kPieces == 0) {
+  if constexpr (Patches::kQuarters == 0) {
     for (int i = 0; i < kVertices; ++i) {
       const std::uint32_t v = level.vertex(t, i);
       if (i == c) wanted = has_wanted_state(states, v, 0);
@@ -237,10 +239,10 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
       extend(lower, upper, level.mesh.positions[v][c]);
     }
   } else {
-    float low[Patches::kPieces], high[Patches::kPieces];
-    for (int piece = 0; piece < Patches::kPieces; ++piece) {
-      low[piece] = INFINITY;
-      high[piece] = -INFINITY;
+    float low[Patches::kQuarters], high[Patches::kQuarters];
+    for (int quarter = 0; quarter < Patches::kQuarters; ++quarter) {
+      low[quarter] = INFINITY;
+      high[quarter] = -INFINITY;
     }
     const std::uint32_t corner = level.vertex(t, c);
     FanPlane plane(level.mesh.positions[corner], directions[corner]);
@@ -254,26 +256,26 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
       image[i] = plane.image(p);
       if (i < 3) along[i] = p[c];
 #pragma unroll
-      for (int piece = 0; piece < Patches::kPieces; ++piece) {
+      for (int quarter = 0; quarter < Patches::kQuarters; ++quarter) {
 #pragma unroll
-        for (int k = 0; k < Patches::kPieceVertices; ++k) {
-          if (Patches::piece_vertex(piece, k) != i) continue;
-          extend(low[piece], high[piece], p[c]);
-          if (Patches::kPieceVertices == 3 && i >= 3) {
+        for (int k = 0; k < Patches::kQuarterVertices; ++k) {
+          if (Patches::quarter_vertex(quarter, k) != i) continue;
+          extend(low[quarter], high[quarter], p[c]);
+          if (Patches::kQuarterVertices == 3 && i >= 3) {
             const double a = along[i % 3], b = along[(i + 1) % 3];
-            extend(low[piece], high[piece], midpoint(Vec3d{a, a, a}, Vec3d{b, b, b}).x);
+            extend(low[quarter], high[quarter], midpoint(Vec3d{a, a, a}, Vec3d{b, b, b}).x);
           }
         }
       }
     }
     add_to_fan<Patches>(plane, image, &fans[corner]);
 #pragma unroll
-    for (int piece = 0; piece < Patches::kPieces; ++piece) {
-      lower = fminf(lower, low[piece]);
-      upper = fmaxf(upper, high[piece]);
-      FloatBox& box = pieces[Patches::kPieces * t + (piece < 3 ? (piece + c) % 3 : 3)];
-      box.lower[c] = low[piece];
-      box.upper[c] = high[piece];
+    for (int quarter = 0; quarter < Patches::kQuarters; ++quarter) {
+      lower = fminf(lower, low[quarter]);
+      upper = fmaxf(upper, high[quarter]);
+      FloatBox& box = quarters[Patches::kQuarters * t + (quarter < 3 ? (quarter + c) % 3 : 3)];
+      box.lower[c] = low[quarter];
+      box.upper[c] = high[quarter];
     }
   }
   patches[t].box.lower[c] = lower;

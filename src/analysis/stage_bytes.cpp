@@ -101,7 +101,8 @@ std::uint64_t distances_bytes(const MeshSize& m, std::uint64_t spheres) {
   // covers and 8 corners without a probe. With a probe of 1.4 Å it has 20 covers and 7 corners, and
   // two thirds of the spheres have a patch.
   constexpr std::uint64_t kBytesPerSphere = 800;
-  // Beside the search tree of the triangles there is one byte for each vertex, which says whether a
+  // The tree of a divided mesh has runs of four triangles and takes less than one of triangles.
+  // Beside it there is one byte for each vertex, which says whether a
   // triangle uses it.
   return BoxTree::bytes(m.triangles) + m.vertices + kBytesPerSphere * spheres;
 }

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/joined_arrays.hpp"
 #include "core/monitor.hpp"
 
 namespace vdwmesh {
@@ -33,6 +34,14 @@ void for_each_index(std::size_t count, const Body& body) {
 // The usual number of indices in a block: enough work to be worth its scheduling, little enough for
 // its results to stay in the cache.
 inline constexpr std::size_t kIndicesPerBlock = std::size_t{1} << 14;
+
+// Where part number `part` of so many items begins, if they are divided into `parts` runs of about
+// equal numbers. A part ends where the next one begins. Precondition: the product of the first two
+// fits 64 bits.
+constexpr std::uint64_t begin_of_part(std::uint64_t count, std::uint64_t part,
+                                      std::uint64_t parts) {
+  return count * part / parts;
+}
 
 // The number of blocks of so many indices, of which the last may be shorter.
 constexpr std::size_t block_count(std::size_t count, std::size_t per_block) {
@@ -116,12 +125,7 @@ std::vector<Item> collect(std::size_t count, const Add& add, Monitor* monitor = 
     advance(monitor, 0);
     for (std::size_t i = begin; i < end; ++i) add(i, parts[block]);
   });
-  std::vector<Item> all;
-  std::size_t size = 0;
-  for (const std::vector<Item>& part : parts) size += part.size();
-  all.reserve(size);
-  for (const std::vector<Item>& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  return joined(parts);
 }
 
 }  // namespace vdwmesh

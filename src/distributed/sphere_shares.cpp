@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/fixed_blocks.hpp"
+#include "core/joined_arrays.hpp"
 #include "distributed/layers.hpp"
 #include "surface/box.hpp"
 
@@ -31,10 +33,11 @@ int longest_axis(const Box& box) {
   return longest;
 }
 
-// The first sphere or number of each part or block, and the end of the last one.
+// The first number of each part, and the end of the last one.
 std::vector<std::uint64_t> even_runs(std::uint64_t count, std::size_t parts) {
   std::vector<std::uint64_t> begins;
-  for (std::size_t part = 0; part <= parts; ++part) begins.push_back(count * part / parts);
+  for (std::size_t part = 0; part <= parts; ++part)
+    begins.push_back(begin_of_part(count, part, parts));
   return begins;
 }
 
@@ -55,16 +58,6 @@ void add_to(std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& 
   for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += terms[i];
 }
 
-template <class T>
-std::vector<T> joined(const std::vector<std::vector<T>>& arrays) {
-  std::vector<T> all;
-  std::size_t size = 0;
-  for (const std::vector<T>& array : arrays) size += array.size();
-  all.reserve(size);
-  for (const std::vector<T>& array : arrays) all.insert(all.end(), array.begin(), array.end());
-  return all;
-}
-
 // What work(i, block i) returns for all blocks, which all cores take.
 template <class Work>
 auto of_each(std::vector<SphereBlock>& blocks, const Work& work) {
@@ -81,10 +74,10 @@ class OwnBlocks {
   OwnBlocks(const Ranks& ranks, const SphereSet& spheres)
       : parts_(static_cast<std::size_t>(ranks.count())) {
     constexpr std::size_t kSpheresPerBlock = std::size_t{1} << 17;
-    const std::vector<std::uint64_t> begins = even_runs(spheres.size(), parts_);
     const auto rank = static_cast<std::size_t>(ranks.number());
-    const std::size_t end = begins[rank + 1];
-    for (std::size_t first = begins[rank]; first < end; first += kSpheresPerBlock) {
+    const std::size_t end = begin_of_part(spheres.size(), rank + 1, parts_);
+    for (std::size_t first = begin_of_part(spheres.size(), rank, parts_); first < end;
+         first += kSpheresPerBlock) {
       blocks_.emplace_back(spheres, first, std::min(first + kSpheresPerBlock, end), parts_);
     }
   }
@@ -107,26 +100,21 @@ class OwnBlocks {
       before_each.push_back(before);
       add_to(before, counts);
     }
+    const std::vector<std::vector<PartExtent>> of_blocks = of_each(
+        blocks_, [&](std::size_t i, SphereBlock& b) { return b.divide(all, before_each[i]); });
     std::vector<PartExtent> parts(parts_);
-    for (const std::vector<PartExtent>&of_block :
-         of_each(blocks_,
-                 [&](std::size_t i, SphereBlock&b) { return b.divide(all, before_each[i]); })) {
-      for (std::size_t part = 0; part < parts_; ++part) parts[part].add(of_block[part]);
+    for (const std::vector<PartExtent>& extents : of_blocks) {
+      for (std::size_t part = 0; part < parts_; ++part) parts[part].add(extents[part]);
     }
     return parts;
   }
   std::vector<std::vector<NamedSphere>> choose(std::span<const PartExtent> parts) {
-    std::vector<std::vector<std::vector<NamedSphere>>> by_part(
-        parts_, std::vector<std::vector<NamedSphere>>(blocks_.size()));
-    of_each(blocks_, [&](std::size_t i, SphereBlock& b) {
-      std::vector<std::vector<NamedSphere>> chosen = b.choose(parts);
-      for (std::size_t part = 0; part < parts_; ++part) {
-        by_part[part][i] = std::move(chosen[part]);
-      }
-      return 0;
-    });
-    std::vector<std::vector<NamedSphere>> all;
-    for (const auto& of_part : by_part) all.push_back(joined(of_part));
+    const std::vector<std::vector<std::vector<NamedSphere>>> of_blocks =
+        of_each(blocks_, [&](std::size_t, SphereBlock& b) { return b.choose(parts); });
+    std::vector<std::vector<NamedSphere>> all(parts_);
+    for (const std::vector<std::vector<NamedSphere>>& chosen : of_blocks) {
+      append_to_each(all, chosen);
+    }
     return all;
   }
 

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/append_to_each.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/joined_arrays.hpp"
 #include "extract/area_estimate.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/brick_search.hpp"
@@ -51,8 +51,8 @@ Slab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int6
 
 // The spheres of one of `blocks` blocks, of about equal numbers.
 std::span<const Sphere> block_of(const SphereSet& spheres, std::size_t block, std::size_t blocks) {
-  const std::size_t first = spheres.size() * block / blocks,
-                    end = spheres.size() * (block + 1) / blocks;
+  const std::size_t first = begin_of_part(spheres.size(), block, blocks),
+                    end = begin_of_part(spheres.size(), block + 1, blocks);
   return spheres.spheres().subspan(first, end - first);
 }
 
@@ -64,11 +64,7 @@ SphereSet own_block(const Ranks& ranks, const SphereSet& spheres) {
 // What all ranks have found for this one, each among its own spheres: ascending. Collective.
 std::vector<SphereId> found_for_own(const Ranks& ranks,
                                     const std::vector<std::vector<SphereId>>& for_each_rank) {
-  std::vector<SphereId> ids;
-  for (const std::vector<SphereId>& from : ranks.exchange(for_each_rank)) {
-    ids.insert(ids.end(), from.begin(), from.end());
-  }
-  return ids;
+  return joined(ranks.exchange(for_each_rank));
 }
 
 KeyRange run_at(std::span<const std::uint64_t> begins, std::size_t run) {

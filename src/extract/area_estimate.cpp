@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/append_to_each.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/joined_arrays.hpp"
 #include "core/multiversion.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/blended/field_sample.hpp"
@@ -154,7 +154,8 @@ void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace 
 class Part {
  public:
   Part(std::uint64_t spheres, std::size_t part, std::size_t parts)
-      : first_(spheres * part / parts), size_(spheres * (part + 1) / parts - first_) {}
+      : first_(begin_of_part(spheres, part, parts)),
+        size_(begin_of_part(spheres, part + 1, parts) - first_) {}
 
   std::uint64_t first() const { return first_; }
   std::uint64_t size() const { return size_; }

@@ -49,8 +49,8 @@ class PlaneTriangulationOf : public PlaneTypes {
   void save(State& state) const;
   void resume(const State& state, const Circles* circles);
   // The same without a copy: between two calls of swap() with one state, the first followed by
-  // resume_swapped(), the triangulation works in the arrays of the state. There will be room for so
-  // many more points.
+  // resume_swapped(), the triangulation works in the arrays of the state. There will be room for
+  // so many more points; the other arrays grow with it.
   void swap(State& state);
   void resume_swapped(std::size_t more_points, const Circles* circles);
   // Goes on from a state in other arrays, whose sizes are `points` and `triangles`.

@@ -137,10 +137,13 @@ class HostedDevice final : public PatchDevice {
     undecided += out.failure == PatchFailure::undecided;
     if (out.failure != PatchFailure::none) return;
     job.is_done = true;
-    job.patch = std::make_unique<PatchMesh>();
-    job.patch->splits.assign(out.first_split, out.first_split + out.splits);
-    sort_requests(job.patch->splits);
+    if (out.splits > 0) {
+      job.patch = std::make_unique<PatchMesh>();
+      job.patch->splits.assign(out.first_split, out.first_split + out.splits);
+      sort_requests(job.patch->splits);
+    }
     if (kept_.size() == most_kept) {
+      if (!job.patch) job.patch = std::make_unique<PatchMesh>();
       job.patch->interior.assign(out.first_interior, out.first_interior + out.interior);
       job.patch->triangles.assign(out.first_triangle, out.first_triangle + out.triangles);
       job.patch->sources.assign(sources.begin(), sources.end());

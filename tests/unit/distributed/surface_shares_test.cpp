@@ -11,7 +11,7 @@
 #include <random>
 
 #include "arrangement/exact_union.hpp"
-#include "core/append_to_each.hpp"
+#include "core/joined_arrays.hpp"
 #include "extract/area_estimate.hpp"
 
 namespace vdwmesh {

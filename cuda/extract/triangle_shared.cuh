@@ -1,0 +1,196 @@
+// What a thread block of emit_triangles (emit_triangles.cu) has of its brick in shared memory, and
+// how it gathers what the brick itself knows: its mixed cells, the rows of nodes that it owns, and
+// the faces that the surface crosses. What lies beyond these faces comes from its neighbours.
+#pragma once
+
+#include "cuda/extract/brick_warp.cuh"
+#include "cuda/extract/triangle_codes.cuh"
+#include "cuda/extract/triangle_neighbours.cuh"
+
+namespace vdwmesh {
+
+inline constexpr unsigned kTriangleThreads = 2 * kWarp;
+// Words of 32 bits for a bit of each triangle that a brick can have.
+inline constexpr unsigned kTriangleWords = kMaxCaseTriangles * kBrickNodes / kWarp;
+inline constexpr int kCellsPerFace = kBrickSide * kBrickSide;
+
+// A row of eight nodes along x: from these two the number of each of its vertices follows
+// (corner_number()).
+struct alignas(8) VertexRow {
+  std::uint32_t first;  // number in the mesh of the first vertex of the row
+  // RowCrossings::packed: bit 8 * axis + x says whether node x's edge along the axis is crossed.
+  std::uint32_t crossed;
+};
+
+// A cell of the brick that the surface crosses, in one word. Cells are numbered 64 z + 8 y + x.
+struct MixedCell {
+  std::uint32_t bits;
+
+  __device__ unsigned cell() const { return bits & 511u; }
+  __device__ std::uint32_t inside() const { return bits >> 9 & 255u; }  // its case
+  __device__ std::uint32_t start() const { return bits >> 17; }  // triangles in the cells before it
+};
+__device__ inline MixedCell mixed_cell(unsigned cell, std::uint32_t inside, std::uint32_t start) {
+  return {cell | inside << 9 | start << 17};
+}
+
+// For half-edges: the mixed cells of the brick and of the layers beyond its faces, by shell_cell().
+// Entries of other cells are not set.
+template <Connectivity>
+struct CellShell {};
+template <>
+struct CellShell<Connectivity::half_edges> {
+  std::uint32_t first_half_edge[kShellCells];  // its number in the mesh
+  std::uint8_t inside[kShellCells];            // the case
+};
+
+// Shared memory of a thread block: 10 KB with half-edges, else 5 KB.
+template <Connectivity connectivity>
+struct TriangleShared {
+  ActiveBrick brick;
+  TriangleNeighbours near;
+  // rows[9 z + y] has the nodes x = 0 .. 7 of row (y, z), with y and z = 0 .. 8. The next 81
+  // entries are the same rows in the next brick along x; of these only the first nodes are used,
+  // which are this brick's nodes x = 8. Rows at a face are set only if the surface crosses the
+  // face.
+  VertexRow rows[2 * kRows];
+  // At 4 x + axis is crossings_before(x % 8, axis): the bits of VertexRow::crossed whose vertices
+  // have smaller numbers than that of node x along the axis.
+  std::uint32_t before[4 * kBrickReach];
+  MixedCell cells[kBrickNodes];  // in the order of their triangles
+  // Bit t % 32 of word t / 32 is set if triangle t is the first one of a cell. There are three more
+  // words: the last word of a brick may be partly filled, a warp reads one word ahead, and one word
+  // is to spare.
+  std::uint32_t begins[kTriangleWords + 3];
+  std::uint32_t face_signs;            // see share_face_signs()
+  std::uint32_t staged[2][3 * kWarp];  // of each warp, see store_staged()
+  CellShell<connectivity> shell;
+};
+
+// ---- the brick's own cells and rows ----
+
+// What a thread loads of a brick: a word of 8 bytes of it, and a neighbour. Both go to registers
+// first, so that these loads are under way together with those that tell whether the brick has
+// triangles (load_now()). share() then writes them to shared memory.
+struct BrickPart {
+  static constexpr unsigned kWords = sizeof(ActiveBrick) / sizeof(std::uint64_t);
+  static_assert(kWords <= kTriangleThreads && sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
+
+  std::uint64_t word;
+  std::uint32_t neighbour;
+
+  // Threads beyond the end repeat the last word or neighbour.
+  __device__ BrickPart(const ActiveBrick& brick, const TriangleNeighbours& near)
+      : word(reinterpret_cast<const std::uint64_t*>(
+            &brick)[threadIdx.x < kWords ? threadIdx.x : kWords - 1]),
+        neighbour(
+            near.place[threadIdx.x < kTriangleNeighbours ? threadIdx.x : kTriangleNeighbours - 1]) {
+    load_now(word);
+    load_now(neighbour);
+  }
+  // The caller synchronises afterwards.
+  __device__ void share(ActiveBrick& brick, TriangleNeighbours& near) const {
+    if (threadIdx.x < kWords) reinterpret_cast<std::uint64_t*>(&brick)[threadIdx.x] = word;
+    if (threadIdx.x < kTriangleNeighbours) near.place[threadIdx.x] = neighbour;
+  }
+};
+
+// Fills `cells`, `begins` and the brick's part of `shell`. Each warp has half of the 64 rows of
+// cells: first a lane for each row lists the row's mixed cells, then a lane for each mixed cell
+// finds its case, and prefix sums over the cells give the numbers of their triangles.
+// `first_half_edge` is the number of the brick's first half-edge.
+template <Connectivity connectivity>
+__device__ void share_cells(const CaseTable& table, std::uint32_t first_half_edge,
+                            TriangleShared<connectivity>& s) {
+  const unsigned lane = threadIdx.x % kWarp, half = threadIdx.x / kWarp;
+  const unsigned row = threadIdx.x;
+  const int y = static_cast<int>(row) % kBrickSide, z = static_cast<int>(row) / kBrickSide;
+  const std::uint32_t mixed = mixed_cells(s.brick.signs, y, z);
+  const auto own = static_cast<std::uint32_t>(__popc(mixed)), sum = warp_inclusive_sum(own);
+  const std::uint32_t count = __shfl_sync(kAllLanes, sum, kWarp - 1);
+  std::uint32_t base = 0, start = 0;  // of the half: its first entry of `cells`, its first triangle
+  if (half == 1) {
+    constexpr int half_height = kBrickSide / 2;
+    const auto lower =
+        static_cast<unsigned>(__popc(mixed_cells(s.brick.signs, y, z - half_height)));
+    base = __reduce_add_sync(kAllLanes, lower);
+    // The second half begins with row kWarp.
+    start = s.brick.row_triangles[kWarp];
+  }
+  // `cells &= cells - 1` removes the lowest bit.
+  std::uint32_t next = base + sum - own;
+  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+    s.cells[next++].bits =
+        row * kBrickSide + static_cast<unsigned>(__ffs(static_cast<int>(cells))) - 1;
+  }
+  __syncwarp();
+  for (std::uint32_t first = 0; first < count; first += kWarp) {
+    const std::uint32_t at = base + first + lane;
+    const bool valid = first + lane < count;
+    const unsigned cell = valid ? s.cells[at].bits : 0;
+    const auto x = static_cast<int>(cell) % kBrickSide,
+               cell_y = static_cast<int>(cell) / kBrickSide % kBrickSide;
+    const int cell_z = static_cast<int>(cell) / kCellsPerFace;
+    const std::uint32_t inside = cell_case(s.brick.signs, x, cell_y, cell_z);
+    const std::uint32_t triangles = valid ? table.count(inside) : 0;
+    const std::uint32_t end = start + warp_inclusive_sum(triangles);
+    start = __shfl_sync(kAllLanes, end, kWarp - 1);
+    if (!valid) continue;
+    const std::uint32_t own_start = end - triangles;
+    s.cells[at] = mixed_cell(cell, inside, own_start);
+    atomicOr(&s.begins[own_start / kWarp], 1u << own_start % kWarp);
+    if constexpr (connectivity == Connectivity::half_edges) {
+      const int place = shell_cell(x, cell_y, cell_z);
+      s.shell.first_half_edge[place] = first_half_edge + 3 * own_start;
+      s.shell.inside[place] = static_cast<std::uint8_t>(inside);
+    }
+  }
+}
+
+// Fills the rows that the brick owns, a thread for each. `first` is the number of the brick's first
+// vertex.
+template <Connectivity connectivity>
+__device__ void share_own_rows(std::uint64_t first, TriangleShared<connectivity>& s) {
+  const auto y = static_cast<int>(threadIdx.x) % kBrickSide,
+             z = static_cast<int>(threadIdx.x) / kBrickSide;
+  s.rows[z * kBrickReach + y] = {
+      static_cast<std::uint32_t>(first + s.brick.row_vertices[threadIdx.x]),
+      row_crossings(s.brick.signs, y, z).packed};
+}
+
+// What a row of nodes adds to `face_signs`. Bit x = 0 .. 8: some node of the layer x is inside; the
+// layers 0 and 8 are faces. Bits 9, 10, 11 and 12: some node of the face y = 0, y = 8, z = 0 or
+// z = 8 is inside; `layers` has the bits of those faces in which the row lies. The same bits plus
+// 16: some node is outside.
+__device__ inline std::uint32_t signs_of_row(std::uint32_t inside, std::uint32_t layers) {
+  constexpr std::uint32_t all = (1u << kBrickReach) - 1;
+  const std::uint32_t outside = ~inside & all;
+  return inside | outside << 16 | (inside != 0 ? layers : 0) | (outside != 0 ? layers << 16 : 0);
+}
+
+// Adds all rows to `face_signs`. Each thread adds one row that the brick owns. The first nine also
+// add two each of the 17 others, whose y or z is 8; the row with both is added twice, which
+// changes nothing.
+template <Connectivity connectivity>
+__device__ void share_face_signs(TriangleShared<connectivity>& s) {
+  constexpr std::uint32_t front = 1u << 9, back = 1u << 10, bottom = 1u << 11, top = 1u << 12;
+  const unsigned y = threadIdx.x % kBrickSide, z = threadIdx.x / kBrickSide;
+  std::uint32_t found =
+      signs_of_row(s.brick.signs.row[z][y], (y == 0 ? front : 0) | (z == 0 ? bottom : 0));
+  if (threadIdx.x < kBrickReach) {
+    const unsigned i = threadIdx.x;
+    const std::uint32_t first = i == 0 ? 1u : 0u, last = i == kBrickSide ? 1u : 0u;
+    found |= signs_of_row(s.brick.signs.row[i][kBrickSide], back | first * bottom | last * top);
+    found |= signs_of_row(s.brick.signs.row[kBrickSide][i], top | first * front | last * back);
+  }
+  found = __reduce_or_sync(kAllLanes, found);
+  if (threadIdx.x % kWarp == 0) atomicOr(&s.face_signs, found);
+}
+
+// Bit f is set if the surface crosses face f: some of its 9 x 9 nodes are inside, and some outside.
+__device__ inline std::uint32_t faces_crossed(std::uint32_t face_signs) {
+  const std::uint32_t mixed = face_signs & face_signs >> 16;
+  return (mixed & 1u) | (mixed >> (kBrickSide - 1) & 2u) | (mixed >> 9 & 15u) << 2;
+}
+
+}  // namespace vdwmesh
