@@ -48,6 +48,7 @@ void describe(A& a, const ExactMeshStats& stats) {
   a("euler_difference", stats.euler_difference), a("shell_difference", stats.shell_difference);
   a("pieces", stats.pieces), a("split", stats.split);
   a("device_patches", stats.device_patches), a("left_patches", stats.left_patches);
+  a("device_batches", stats.device_batches), a("returned_patches", stats.returned_patches);
   a("triangulated_balls", stats.triangulated_balls);
   a("below_min_angle", stats.below_min_angle);
   a("below_min_angle_at_corners", stats.below_min_angle_at_corners),

@@ -35,21 +35,6 @@ void warn_of_lost_components(std::uint64_t in_union, Report& report) {
           : ": pieces are joined or missing"));
 }
 
-// Whether a device is to measure the union: if it can, and if the choice is automatic, only where
-// that saves time. Throws BackendUnavailable if a device is asked for and there is none.
-bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
-                  const MeasuredSpheres& measured) {
-  const Backend requested = session.machine.backend;
-  if (requested == Backend::cuda) resolve(requested);
-  if (needs_cpu(options, measured)) return false;
-  const auto& mesher = session.report.backend;
-  const bool is_started = mesher && mesher->used == Backend::cuda;
-  if (requested == Backend::automatic && !is_started && spheres.size() < kBallsWorthADevice) {
-    return false;
-  }
-  return resolve(requested) == Backend::cuda;
-}
-
 // The union by arcs, on the backend of the session.
 void measure_by_arcs(const SphereSet& spheres, Session& session) {
   BatchMeasures measures =
@@ -69,6 +54,19 @@ void measure_by_arcs(const SphereSet& spheres, Session& session) {
 bool needs_cpu(const ExactOptions& options, const MeasuredSpheres& measured) {
   return options.method != UnionMethod::arcs || options.topology != TopologyRequest::none ||
          options.certify == Switch::on || measured;
+}
+
+bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
+                  const MeasuredSpheres& measured) {
+  const Backend requested = session.machine.backend;
+  if (requested == Backend::cuda) resolve(requested);
+  if (needs_cpu(options, measured)) return false;
+  const auto& mesher = session.report.backend;
+  const bool is_started = mesher && mesher->used == Backend::cuda;
+  if (requested == Backend::automatic && !is_started && spheres.size() < kBallsWorthADevice) {
+    return false;
+  }
+  return resolve(requested) == Backend::cuda;
 }
 
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,

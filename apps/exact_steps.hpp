@@ -18,6 +18,10 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
 // Whether only the CPU can: a device measures all spheres by arcs, without a certificate and
 // without topology.
 bool needs_cpu(const ExactOptions& options, const MeasuredSpheres& measured);
+// Whether a device is to measure: if it can, and if the choice is automatic, only where that saves
+// time. Throws BackendUnavailable if a device is asked for and there is none.
+bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
+                  const MeasuredSpheres& measured);
 // Measures on the CPU, and does not end the stage.
 void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Session& session,
                     const MeasuredSpheres& measured);

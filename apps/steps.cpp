@@ -20,11 +20,6 @@
 namespace vdwmesh::apps {
 namespace {
 
-// The grid on which the mesh was made, if it was made here.
-std::optional<GridSpec> grid_of(const Report& report) {
-  return report.parameters ? report.parameters->grid : std::nullopt;
-}
-
 // Returns the report of the input: a copy of all members of the molecule but its atoms. The atoms
 // are moved out while the copy is made, and then put back.
 InputReport input_of(Molecule& molecule, const InputOptions& options) {
@@ -326,6 +321,10 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
   }
   report.mesh->cgal = cgal_measures(to_surface_mesh(mesh));
   session.end_stage(&Timing::cgal_check);
+}
+
+std::optional<GridSpec> grid_of(const Report& report) {
+  return report.parameters ? report.parameters->grid : std::nullopt;
 }
 
 void examine_untimed(const IndexedMesh& mesh, Session& session) {

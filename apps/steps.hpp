@@ -79,6 +79,9 @@ BackendReport describe_backend(Backend requested, Backend used);
 // the pipeline says it; nothing is done where it is empty.
 void account_for_fallback(const std::string& fallback, Report& report);
 
+// The grid on which marching cubes made the mesh, if it was made here, for self_intersections().
+std::optional<GridSpec> grid_of(const Report& report);
+
 // Topology, measures and quality of the mesh; then its self-intersections, if wanted.
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Session& session);
 // Both halves of measure(), which do not end their stages. The first comes first.

@@ -338,8 +338,8 @@ void report_million(const SphereSet& spheres, const Parts& parts, double rate) {
   }
   for (const int subdivisions : {1, 2}) {
     if (parts.refine) report_refinement(name, spheres, 0.5, subdivisions, Crossings::allow);
+    if (parts.crossings) report_refinement(name, spheres, 0.5, subdivisions, Crossings::undo);
   }
-  if (parts.crossings) report_refinement(name, spheres, 0.5, 1, Crossings::undo);
 }
 
 // Does the work twice, the second time as what a profiler records.

@@ -35,8 +35,8 @@ def write(path, frames):
     return count
 
 
-def read(path):
-    """Yields the frames as float32 arrays of shape (N, 3), of which one at a time is read."""
+def read(path, first=0, end=None):
+    """Yields frames `first` up to `end` as float32 arrays of shape (N, 3), of which one at a time is read."""
     with open(path, "rb") as file:
 
         def record():
@@ -56,7 +56,8 @@ def read(path):
         record()
         (atoms,) = struct.unpack("<i", record())
         wanted = 3 * (4 * atoms + 8)
-        for _ in range(frames):
+        file.seek(first * wanted, 1)
+        for _ in range(first, frames if end is None else end):
             data = file.read(wanted)
             if len(data) != wanted:
                 raise ValueError(f"{path}: the last frame is cut off")

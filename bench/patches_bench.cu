@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "arrangement/mesher/patch_batch.hpp"
@@ -50,7 +51,8 @@ class MeasuringDevice final : public PatchDevice {
       std::vector<PatchJob> some;
       for (PatchJob& job : order.jobs) {
         job.is_begun = true;
-        if (!job.is_withdrawn && some.size() < (std::size_t{1} << 16)) some.push_back(job);
+        if (!job.is_withdrawn && some.size() < (std::size_t{1} << 16))
+          some.push_back(std::move(job));
       }
       const double host = mesh_on_host(some);
       std::size_t triangles = 0;
@@ -58,6 +60,7 @@ class MeasuringDevice final : public PatchDevice {
       mesh_on_device(some, host, triangles);
     });
   }
+  std::uint64_t batches() const override { return 0; }
   void place(const PatchPlaces&, IndexedMesh&) override {}  // it keeps nothing
   void forget() override {}
 

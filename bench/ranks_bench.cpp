@@ -8,9 +8,10 @@
 // There are as many copies as N atoms take (lattice.hpp; default: a million). --threads is of one
 // rank; without it a rank takes the processors that it is bound to. Times are by the clock, from
 // all ranks ready to all ranks done; the first repetition includes the start of a device, and
-// memory that nobody has written before. --devices meshes without the other ranks' part of the
-// work, by the extractor of one process, on so many devices (with one rank only). --stages does the
-// steps of the mesh once more one by one, and times each. --check closes with two proofs:
+// memory that nobody has written before, which later ones use again. --devices meshes without the
+// other ranks' part of the work, by the extractor of one process, on so many devices (with one rank
+// only). --stages does the steps of the mesh once more one by one, and times each. --check closes
+// with two proofs:
 //
 // - The directed edges of all triangles, by the numbers of their vertices in the whole mesh, cancel
 //   out: each has its reverse. Every undirected edge has a pseudo-random number of 64 bits, which
@@ -245,11 +246,13 @@ class Bench {
     UnionTogetherOptions wanted;
     wanted.topology =
         arguments_.exact == "counts" ? TopologyRequest::counts : TopologyRequest::none;
+    if (wanted.topology == TopologyRequest::none) wanted.backend = arguments_.backend;
     for (int repeat = 0; repeat < arguments_.repeats; ++repeat) {
-      ExactUnion result;
+      UnionTogether result;
       const double seconds =
           seconds_of(ranks_, [&] { result = union_together(ranks_, spheres_, wanted); });
-      say("exact {:.3f} s: area {:.6f} volume {:.6f}\n", seconds, result.area, result.volume);
+      say("exact {:.3f} s{}: area {:.17g} volume {:.17g}\n", seconds,
+          result.backend == Backend::cuda ? " on devices" : "", result.area, result.volume);
     }
     say_memory();
   }
@@ -266,9 +269,11 @@ class Bench {
         extract();
         continue;
       }
-      piece_.reset();
+      IndexedMesh memory;
+      if (piece_) memory = std::move(piece_->mesh);
       const double seconds = seconds_of(ranks_, [&] {
-        piece_.emplace(mesh_together(ranks_, spheres_, options(), arguments_.backend));
+        piece_.emplace(
+            mesh_together(ranks_, spheres_, options(), arguments_.backend, std::move(memory)));
       });
       const ExtractStats& stats = piece_->stats;
       say("mesh {:.3f} s: {} vertices, {} triangles; at most {:.3f} field, {:.3f} extract, {:.3f} "
@@ -280,8 +285,11 @@ class Bench {
     }
     if (!piece_) return;
     const std::uint64_t bytes = indexed_mesh_bytes(piece_->mesh);
-    say("  a rank's share of the mesh: at most {:.0f} MiB\n",
-        largest(ranks_.of_all(static_cast<double>(bytes) / 0x1p20)));
+    const auto triangles = static_cast<double>(piece_->mesh.triangle_count());
+    say("  a rank's share of the mesh: at most {:.0f} MiB; {:.3f} of the mean triangles\n",
+        largest(ranks_.of_all(static_cast<double>(bytes) / 0x1p20)),
+        largest(ranks_.of_all(triangles)) * ranks_.count() /
+            static_cast<double>(piece_->whole.triangles));
     say_memory();
   }
 
@@ -301,38 +309,31 @@ class Bench {
 
   void time_stages() {
     piece_.reset();
-    const auto rank = static_cast<std::size_t>(ranks_.number());
-    const auto count = static_cast<std::size_t>(ranks_.count());
+    const bool is_alone = ranks_.count() == 1;
     const auto stage = [&](const char* name, const std::function<void()>& work) {
       say("  {:<10} {:.3f} s\n", name, seconds_of(ranks_, work));
     };
     ExtractOptions wanted = options();
     FieldModel model;
     CellListFrame frame;
-    std::vector<BrickArea> areas;
     std::vector<std::uint64_t> begins;
     ChosenSpheres near;
     std::unique_ptr<SurfacePart> part;
     IndexedMesh made;
-    stage("grid",
-          [&] { model = make_field_model(wanted.field, make_grid(spheres_, wanted.grid)); });
-    stage("frame", [&] { frame = frame_together(ranks_, spheres_, model); });
-    stage("sample", [&] { areas = estimate_bricks(spheres_, model, rank, count); });
-    stage("cut", [&] {
-      areas = ranks_.collect(std::span<const BrickArea>(areas));
-      if (ranks_.is_first()) begins = cut_bricks(std::move(areas), count);
-      ranks_.share(begins);
+    stage("grid", [&] {
+      model = make_field_model(wanted.field, grid_together(ranks_, spheres_, wanted.grid));
     });
-    const KeyRange range{begins[rank], rank + 1 < count ? begins[rank + 1] : kNoBrickKey};
+    stage("frame", [&] { frame = frame_together(ranks_, spheres_, model); });
+    stage("shares", [&] { begins = share_bricks(ranks_, spheres_, model); });
     wanted.grid.given = model.grid;
-    if (count > 1) wanted.frame = &frame;
+    if (!is_alone) wanted.frame = &frame;
     stage("near", [&] {
-      if (count > 1) near = spheres_near(spheres_, model, range);
+      if (!is_alone) near = spheres_near(ranks_, spheres_, model, begins);
     });
     stage("count", [&] {
       const SphereSet chosen =
-          count > 1 ? SphereSet::view(near.spheres) : SphereSet::view(spheres_.spheres());
-      part = make_extractor(arguments_.backend)->count(chosen, range, wanted);
+          SphereSet::view(is_alone ? spheres_.spheres() : std::span<const Sphere>(near.spheres));
+      part = make_extractor(arguments_.backend)->count(chosen, run_of(ranks_, begins), wanted);
     });
     stage("emit", [&] { part->emit({}, made); });
   }

@@ -337,6 +337,11 @@ std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend) {
   return std::make_unique<AutomaticUnionMeasurer>();
 }
 
+DeviceArcs measure_arcs_on_device(const SphereSet& spheres) {
+  resolve(Backend::cuda);
+  return measure_arcs_on_cuda(spheres);
+}
+
 std::unique_ptr<ExactMesher> make_exact_mesher(Backend backend) {
   if (resolve(backend) == Backend::cpu) return make_cpu_exact_mesher();
   if (backend == Backend::cuda) return make_cuda_exact_mesher();

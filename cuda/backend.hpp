@@ -9,6 +9,7 @@
 #include "analysis/distance_measurer.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/union_measurer.hpp"
+#include "core/buffer.hpp"
 #include "excluded/excluded_measurer.hpp"
 #include "extract/batch_extractor.hpp"
 #include "extract/extractor.hpp"
@@ -74,6 +75,17 @@ std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend);
 std::unique_ptr<ExactMesher> make_exact_mesher(Backend backend);
 std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend);
 std::unique_ptr<ExcludedMeasurer> make_excluded_measurer(Backend backend);
+
+// What a device measures of a set without help from the host, as ArcMeasures has it: exposed area
+// and ball ∩ power cell of each sphere, and the spheres whose numbers mean nothing, ascending.
+struct DeviceArcs {
+  Buffer<SphereMeasures> per_sphere;  // Å², Å³
+  std::vector<SphereId> suspect;
+};
+// On the current device of the calling thread, or on the first usable one. A sphere that is no
+// suspect has the bits that it has in every set that has all balls that overlap it. Throws
+// BackendUnavailable and DeviceMemoryExceeded.
+DeviceArcs measure_arcs_on_device(const SphereSet& spheres);
 
 struct PipelineResult {
   IndexedMesh mesh;

@@ -22,6 +22,7 @@ std::unique_ptr<UnionMeasurer> make_cuda_union_measurer();
 std::unique_ptr<ExactMesher> make_cuda_exact_mesher();
 std::unique_ptr<DistanceMeasurer> make_cuda_distance_measurer();
 std::unique_ptr<ExcludedMeasurer> make_cuda_excluded_measurer();
+DeviceArcs measure_arcs_on_cuda(const SphereSet& spheres);
 // A pipeline for one subdivision or more, with everything on one device. It throws
 // DeviceMemoryExceeded if that does not fit.
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline();

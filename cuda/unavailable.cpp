@@ -27,6 +27,7 @@ std::unique_ptr<ExcludedMeasurer> make_cuda_excluded_measurer() {
   throw BackendUnavailable(kReason);
 }
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline() { throw BackendUnavailable(kReason); }
+DeviceArcs measure_arcs_on_cuda(const SphereSet&) { throw BackendUnavailable(kReason); }
 
 int device_of(const void*, const char* name) {
   throw BackendUnavailable(std::string(name) + ": is on a CUDA device, but " + kReason);

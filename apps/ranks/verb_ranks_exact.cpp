@@ -52,8 +52,16 @@ void run_ranks_exact(const Ranks& ranks, const Options& options) {
   if (wants_atoms(ranks, options, shared.molecule)) wanted.per_sphere = PerSphere::keep;
   wanted.memory_limit = session.machine.memory_limit;
   wanted.monitor = session.monitor;
+  ranks.together([&] {
+    if (wants_device(shared.spheres, options.exact, session, measured)) {
+      wanted.backend = session.machine.backend;
+    }
+  });
+  UnionTogether together = union_together(ranks, shared.spheres, wanted);
   session.report.exact.emplace();
-  static_cast<ExactUnion&>(*session.report.exact) = union_together(ranks, shared.spheres, wanted);
+  session.report.exact->backend = together.backend;
+  if (!together.fallback.empty()) session.report.notes.push_back(std::move(together.fallback));
+  static_cast<ExactUnion&>(*session.report.exact) = std::move(together);
   session.end_stage(&Timing::exact);
   ranks.together([&] {
     if (ranks.is_first()) deliver(options, shared.molecule, session);

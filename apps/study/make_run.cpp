@@ -33,7 +33,8 @@ StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const
   run.comparison = excluded ? compare(run.topology, run.measures, excluded->complete)
                             : compare(run.topology, run.measures, input.exact);
   if (options.self_intersections == SelfIntersections::count) {
-    run.self_intersections = self_intersections(mesh, session.monitor, edges_of(run.topology));
+    run.self_intersections =
+        self_intersections(mesh, session.monitor, edges_of(run.topology), grid_of(session.report));
   }
   if (options.distances.distances == Switch::on) {
     const Stopwatch watch;

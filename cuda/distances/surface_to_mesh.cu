@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "analysis/triangle_search.hpp"
+#include "analysis/distances_triangle.hpp"
 #include "cuda/distances/device_statistics.cuh"
 #include "cuda/distances/measure_distances.cuh"
 #include "cuda/distances/warp_search.cuh"

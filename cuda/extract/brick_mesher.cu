@@ -143,7 +143,9 @@ std::uint64_t DeviceBrickMesher::mesh_bytes(const BrickSums& from, const BrickSu
 
 void DeviceBrickMesher::count(const KeyRange& own) {
   const std::uint64_t most = options_.memory_limit / sizeof(ActiveBrick);
-  count(source_.candidates(with_halo(own), most), own);
+  const KeyRange searched = with_halo(own, options_.connectivity);
+  searched_from_ = searched.begin;
+  count(source_.candidates(searched, most), own);
 }
 
 void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
@@ -160,7 +162,7 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   kept_ = DeviceArray<std::byte>(field_bytes(at_once), stream.get());
   taken_ += fixed + kept_.bytes();
   counted_.bricks = DeviceArray<ActiveBrick>(n, stream.get());
-  find_own(own);
+  own_ = find(own);
   const DeviceArray<BrickSums> sums(n, stream.get());
   // Neighbours follow from the keys alone, and are found beside the counting. The counting is
   // launched first, since it takes longer.
@@ -183,18 +185,23 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   own_to_ = counted_.totals.sums;
   if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
   if (own_.end < n) own_to_ = fetch(counted_.before.data() + own_.end, stream);
-  halo_ = {own_from_.vertices, counted_.totals.sums.vertices - own_to_.vertices};
+  halo_ = {own_from_.vertices, counted_.totals.sums.vertices - own_to_.vertices, 0};
+  if (own.end != kNoBrickKey) {
+    const std::uint64_t begin = find({first_with_border(own), own.end}).begin;
+    const BrickSums sums_there = fetch(counted_.before.data() + begin, stream);
+    halo_.naming_triangles = own_to_.triangles - sums_there.triangles;
+  }
   mark_end_of(Stage::scan);
 }
 
-void DeviceBrickMesher::find_own(const KeyRange& own) {
-  own_ = {0, candidates_.count};
-  if (own.begin == 0 && own.end == kNoBrickKey) return;
+// The candidates of the range.
+BrickRange DeviceBrickMesher::find(const KeyRange& range) const {
+  if (range.begin == 0 && range.end == kNoBrickKey) return {0, candidates_.count};
   const Stream& stream = source_.stream();
   const DeviceArray<BrickRange> found(1, stream.get());
   launch("find_keys", find_keys, {1, 2}, stream.get(), candidates_.keys.data(), candidates_.count,
-         own, found.data());
-  own_ = fetch(found.data(), stream);
+         range, found.data());
+  return fetch(found.data(), stream);
 }
 
 // Counts the bricks of the range, and with a tally of their own those before and behind it.
@@ -361,8 +368,8 @@ void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   // triangles begin: their thread blocks stay to the end and leave room for those of the vertices,
   // which wait for memory while triangles issue instructions.
   WorkBeside triangles(stream.get());
-  emit_triangles_on_device(counted_.list(), neighbours_, before_mesh_.data(), slab.bricks, mesh,
-                           &tally_.data()->emission, triangles.stream());
+  emit_triangles_on_device(counted_.list(), neighbours_, searched_from_, before_mesh_.data(),
+                           slab.bricks, mesh, &tally_.data()->emission, triangles.stream());
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,

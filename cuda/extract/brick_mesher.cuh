@@ -66,7 +66,7 @@ class DeviceBrickMesher {
 
   void count_all(const BrickCounts& counts, CountPart* halo_parts);
   void count_range(const BrickRange& range, const BrickCounts& counts) const;
-  void find_own(const KeyRange& own);
+  BrickRange find(const KeyRange& range) const;
   void number_from(const MeshSize& first);
   std::vector<Slab> plan_slabs(std::uint64_t share, std::uint64_t share_count);
   std::vector<Slab> runs_that_fit(const std::vector<BrickSums>& before, BrickRange share);
@@ -84,12 +84,13 @@ class DeviceBrickMesher {
   const ExtractOptions& options_;
   std::size_t sharers_;
   StageMarks marks_;
-  std::vector<Stage> stages_;    // between one mark and the next
-  std::uint64_t taken_ = 0;      // bytes of device memory, beside meshes and slabs' fields
-  KeyList candidates_;           // of the range and its halo
-  BrickRange own_{0, 0};         // those of the range
-  DeviceArray<std::byte> kept_;  // BrickSource::kept_per_brick() of each brick
-  bool holds_field_ = false;     // of all candidates
+  std::vector<Stage> stages_;        // between one mark and the next
+  std::uint64_t taken_ = 0;          // bytes of device memory, beside meshes and slabs' fields
+  KeyList candidates_;               // of the range and its halo
+  std::uint64_t searched_from_ = 0;  // the lowest key that a candidate may have
+  BrickRange own_{0, 0};             // those of the range
+  DeviceArray<std::byte> kept_;      // BrickSource::kept_per_brick() of each brick
+  bool holds_field_ = false;         // of all candidates
   DeviceCountedBricks counted_;
   BrickSums own_from_{0, 0}, own_to_{0, 0};  // sums before the range and behind it
   HaloVertices halo_;

@@ -222,13 +222,20 @@ __device__ void share_row_of_cells(const CellsBeyond& beyond, int y, int z, int 
 // that only shares an edge with this one needs no check of its own: if the surface crosses that
 // edge, it crosses the four faces at it. A brick between the two shares such a face with both. If
 // it is in the list, its own check reports the missing brick; if not, this check reports it.
+// `searched_from`: the search has left out all bricks with lower keys, which only lie across lower
+// faces. Without half-edges nothing refers to them.
 __device__ void check_neighbours(const TriangleNeighbours& near, std::uint32_t faces,
+                                 std::uint64_t key, std::uint64_t searched_from,
                                  unsigned long long* missing) {
   const unsigned face = threadIdx.x % kWarp;
-  if (face < 6 && (faces >> face & 1u) != 0 &&
-      near.place[neighbour_across(static_cast<int>(face))] == kNoBrick) {
-    atomicAdd(missing, 1ull);
+  if (face >= 6 || (faces >> face & 1u) == 0 ||
+      near.place[neighbour_across(static_cast<int>(face))] != kNoBrick) {
+    return;
   }
+  const unsigned axis = face / 2;
+  const std::uint64_t step = brick_key({axis == 0, axis == 1, axis == 2});
+  const bool searched = face % 2 == 1 || key >= searched_from + step;
+  if (searched) atomicAdd(missing, 1ull);
 }
 
 // For half-edges: enters the mixed cells beyond all faces that the surface crosses, and the numbers
@@ -334,8 +341,9 @@ struct StackedMeshes {
 template <Connectivity connectivity, class Meshes>
 __global__ void __launch_bounds__(kGroups* kTriangleThreads, kBlocksPerProcessor)
     emit_triangles(BrickList list, Meshes meshes, std::uint32_t first, std::uint32_t size,
-                   const TriangleNeighbours* neighbours, const TriangleCodes* global_codes,
-                   DeviceMeshView mesh, unsigned long long* missing) {
+                   const TriangleNeighbours* neighbours, std::uint64_t searched_from,
+                   const TriangleCodes* global_codes, DeviceMeshView mesh,
+                   unsigned long long* missing) {
   extern __shared__ __align__(16) unsigned char dynamic[];
   auto& block = *reinterpret_cast<TriangleBlock<connectivity>*>(dynamic);
   constexpr bool half_edges = connectivity == Connectivity::half_edges;
@@ -365,7 +373,7 @@ __global__ void __launch_bounds__(kGroups* kTriangleThreads, kBlocksPerProcessor
     sync_group();
     const std::uint32_t faces = faces_crossed(s.face_signs);
     share_rows_beyond(list, before_mesh.vertices, faces, s);
-    if (warp == 0) check_neighbours(s.near, faces, missing);
+    if (warp == 0) check_neighbours(s.near, faces, s.brick.key, searched_from, missing);
     if constexpr (half_edges) {
       share_cells_beyond(list, before.triangles, before_mesh.triangles, codes, faces, s);
     }
@@ -416,9 +424,9 @@ unsigned processors() {
 
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
-                              const BrickSums* before_mesh, const BrickRange& range,
-                              const DeviceMeshView& mesh, DeviceEmissionTally* tally,
-                              const Stream& stream) {
+                              std::uint64_t searched_from, const BrickSums* before_mesh,
+                              const BrickRange& range, const DeviceMeshView& mesh,
+                              DeviceEmissionTally* tally, const Stream& stream) {
   const auto launch_as = [&]<Connectivity connectivity, class Meshes>(const Meshes& meshes) {
     const auto kernel = emit_triangles<connectivity, Meshes>;
     // Few bricks are spread over all multiprocessors, by blocks of fewer groups.
@@ -433,7 +441,8 @@ void emit_triangles_on_device(const BrickList& bricks,
                "shared memory");
     launch("emit_triangles", kernel, shape, stream, bricks, meshes,
            static_cast<std::uint32_t>(range.begin), static_cast<std::uint32_t>(range.size()),
-           neighbours.data(), triangle_codes_on_device(), mesh, &tally->missing_neighbours);
+           neighbours.data(), searched_from, triangle_codes_on_device(), mesh,
+           &tally->missing_neighbours);
   };
   const auto emit = [&]<class Meshes>(const Meshes& meshes) {
     if (mesh.opposite != nullptr) {

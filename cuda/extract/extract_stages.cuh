@@ -100,13 +100,14 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickL
 // Writes the corners of the triangles of the bricks in `range` to the arrays of `mesh`, at the
 // indices of their numbers, and the opposite half-edges too if `mesh` has an array for them.
 // `bricks` and `neighbours` are of the whole list, not only of the range. Adds missing neighbours
-// to the tally. `before_mesh`: null, or for a stack, by layer of bricks, what the meshes of the
-// fields before that of the layer have; then each mesh is numbered from 0.
+// to the tally, but not those with keys below `searched_from`. `before_mesh`: null, or for a stack,
+// by layer of bricks, what the meshes of the fields before that of the layer have; then each mesh
+// is numbered from 0.
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
-                              const BrickSums* before_mesh, const BrickRange& range,
-                              const DeviceMeshView& mesh, DeviceEmissionTally* tally,
-                              const Stream& stream);
+                              std::uint64_t searched_from, const BrickSums* before_mesh,
+                              const BrickRange& range, const DeviceMeshView& mesh,
+                              DeviceEmissionTally* tally, const Stream& stream);
 
 // Bytes that an extraction keeps of every candidate brick, beside the mesh and the field.
 inline constexpr std::uint64_t kBrickBytes = sizeof(std::uint64_t) + sizeof(ActiveBrick) +

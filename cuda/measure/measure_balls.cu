@@ -137,6 +137,32 @@ class WarpBall {
     return __uint_as_float(rising >> 31 ? rising & 0x7fffffffu : ~rising);
   }
 
+  // Of the caps whose keys agree with the key but for their indices, the key of the first one by
+  // its numbers, in the order of is_before(). Keys alone would tell these apart by their indices,
+  // which depend on the cells of the list, and so on balls far away. With this a ball is measured
+  // alike, to the last bit, in every set that has all balls that overlap it.
+  __device__ __forceinline__ unsigned first_of_equal(unsigned key) const {
+    unsigned first = kNoKey;
+#pragma unroll
+    for (int k = 0; k < kCaps / 32; ++k) {
+      unsigned equal = __ballot_sync(kAllLanes, (key_[k] & ~kIndexMask) == (key & ~kIndexMask));
+      for (; equal != 0; equal &= equal - 1) {
+        const unsigned other = __shfl_sync(kAllLanes, key_[k], __ffs(equal) - 1);
+        const bool is_first = first == kNoKey || is_before(space_.caps[other & kIndexMask],
+                                                           space_.caps[first & kIndexMask]);
+        first = is_first ? other : first;
+      }
+    }
+    return first;
+  }
+  // Caps that are in neither order are equal.
+  __device__ __forceinline__ static bool is_before(const Plane& a, const Plane& b) {
+    if (a.cosine != b.cosine) return a.cosine < b.cosine;
+    if (a.axis.x != b.axis.x) return a.axis.x < b.axis.x;
+    if (a.axis.y != b.axis.y) return a.axis.y < b.axis.y;
+    return a.axis.z < b.axis.z;
+  }
+
   // Cuts by the nearest plane that is left, until no plane is near enough to cut.
   template <class Cell>
   __device__ __forceinline__ void cut_by_all(Cell& cell) {
@@ -146,6 +172,7 @@ class WarpBall {
       for (int k = 0; k < kCaps / 32; ++k) least = min(least, key_[k]);
       least = __reduce_min_sync(kAllLanes, least);
       if (least == kNoKey || bound_of(least) > cell.reach()) return;
+      least = first_of_equal(least);
 #pragma unroll
       for (int k = 0; k < kCaps / 32; ++k) key_[k] = key_[k] == least ? kNoKey : key_[k];
       cell.cut(space_.caps[least & kIndexMask]);

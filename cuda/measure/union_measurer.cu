@@ -66,6 +66,13 @@ __global__ void list_neighbors(BatchCellsView list, const ListPlace* places, std
   }
 }
 
+// A thread for each of `count` list places: the index of its ball in the batch.
+__global__ void name_balls(BatchCellsView list, const ListPlace* places, std::uint32_t count,
+                           std::uint32_t* ids) {
+  const std::uint64_t i = thread_index();
+  if (i < count) ids[i] = list.id[places[i]];
+}
+
 // The balls that the device leaves to the host, with the balls that overlap them.
 struct HostWork {
   std::vector<std::uint32_t> ids;    // in the order of list places
@@ -157,23 +164,35 @@ std::vector<std::uint32_t> offsets_of(const SphereBatch& batch) {
   return offsets;
 }
 
-// Measures a batch whose spheres are in memory of the current device, but for the totals. The
-// number of doubtful balls is fetched first: a transfer of much memory keeps others waiting while
-// it waits for the stream.
+// The measures of balls in memory of the current device, as it leaves them.
+struct LeftMeasures {
+  DeviceMeasures on_device;
+  std::uint32_t doubtful;  // how many balls are in doubt
+};
+
+// Measures the balls and brings their measures to the host. The number of doubtful balls is fetched
+// first: a transfer of much memory keeps others waiting while it waits for the stream.
+LeftMeasures measure_and_download(std::span<SphereMeasures> per_sphere,
+                                  const std::vector<std::uint32_t>& offsets, const Sphere* spheres,
+                                  const Stream& stream) {
+  const DeviceArray<std::uint32_t> device_offsets =
+      upload(offsets.data(), offsets.size(), stream.get());
+  LeftMeasures left{measure_on_device({spheres, offsets.back(), device_offsets.data(),
+                                       static_cast<std::uint32_t>(offsets.size() - 1)},
+                                      stream),
+                    0};
+  left.doubtful = fetch(left.on_device.counts.data(), stream);
+  download_parts({{per_sphere.data(), left.on_device.per_sphere.data(), per_sphere.size_bytes()}},
+                 stream);
+  return left;
+}
+
+// Measures a batch whose spheres are in memory of the current device, but for the totals.
 MeasuredBatch measure_balls(std::span<SphereMeasures> per_sphere, const SphereBatch& batch,
                             const Sphere* spheres, const Stream& stream) {
   const std::vector<std::uint32_t> offsets = offsets_of(batch);
-  const DeviceArray<std::uint32_t> device_offsets =
-      upload(offsets.data(), offsets.size(), stream.get());
-  MeasuredBatch measured{
-      measure_on_device({spheres, static_cast<std::uint32_t>(batch.size), device_offsets.data(),
-                         static_cast<std::uint32_t>(batch.set_count())},
-                        stream),
-      {}};
-  const std::uint32_t doubtful = fetch(measured.on_device.counts.data(), stream);
-  download_parts({{per_sphere.data(), measured.on_device.per_sphere.data(),
-                   batch.size * sizeof(SphereMeasures)}},
-                 stream);
+  auto [on_device, doubtful] = measure_and_download(per_sphere, offsets, spheres, stream);
+  MeasuredBatch measured{std::move(on_device), {}};
   if (doubtful > 0) {
     HostWork work = host_work(measured.on_device, doubtful, stream);
     redo(work, offsets, per_sphere);
@@ -281,6 +300,26 @@ namespace vdwmesh {
 
 std::unique_ptr<UnionMeasurer> make_cuda_union_measurer() {
   return std::make_unique<measure::CudaUnionMeasurer>();
+}
+
+DeviceArcs measure_arcs_on_cuda(const SphereSet& spheres) {
+  const DeviceScope scope;
+  const Stream stream;
+  const std::span<const Sphere> balls = spheres.spheres();
+  const DeviceArray<Sphere> uploaded(balls.size(), stream);
+  upload_parts({{uploaded.data(), balls.data(), uploaded.bytes()}}, stream);
+  DeviceArcs arcs;
+  arcs.per_sphere.resize(balls.size());
+  const auto [measured, doubtful] = measure::measure_and_download(
+      arcs.per_sphere, {0, static_cast<std::uint32_t>(balls.size())}, uploaded.data(), stream);
+  if (doubtful > 0) {
+    const DeviceArray<std::uint32_t> ids(doubtful, stream);
+    launch("name_balls", measure::name_balls, over(doubtful, 256), stream, measured.cells.view(),
+           measured.doubtful.data(), doubtful, ids.data());
+    arcs.suspect = measure::download(ids, stream);
+    std::ranges::sort(arcs.suspect);
+  }
+  return arcs;
 }
 
 }  // namespace vdwmesh

@@ -6,12 +6,15 @@
 // with a stream of its own: while the device meshes one batch, another is packed or travels. The
 // host meshes what is left. The device keeps its patches until the host has numbered all vertices;
 // then it writes them into the mesh, part by part. A part is a run of vertices and triangles, which
-// travels to the host in one piece for each array.
+// travels to the host in one piece for each array. Once half of the memory is full of kept patches,
+// the following batches travel to the host at once, which writes their patches as its own: so the
+// mesh need not fit the device.
 #include <cuda_runtime.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -63,6 +66,9 @@ struct HostRoom {
   KeptRoom<PointSource> sources;
   KeptRoom<PatchOutcome> outcomes;
   KeptRoom<PieceSplit> splits;
+  // For a batch that the device does not keep.
+  KeptRoom<Vec3d> interior;
+  KeptRoom<std::array<std::uint32_t, 3>> triangles;
 };
 
 // The patches of a batch in device memory, one after another, in the order of the batch.
@@ -72,6 +78,8 @@ struct KeptBatch {
   DeviceArray<Vec3d> interior;
   DeviceArray<std::array<std::uint32_t, 3>> triangles;
   DeviceArray<PointSource> sources;
+
+  std::uint64_t bytes() const { return interior.bytes() + triangles.bytes() + sources.bytes(); }
 };
 
 // PatchJob::kept: patch `place` of batch `batch`.
@@ -96,16 +104,46 @@ std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t cou
   return places;
 }
 
-// Writes to the job what became of its patch. A patch that failed is left to the host.
+// Writes to the job what became of its patch, and that the device keeps it under this name. A patch
+// that failed is left to the host.
 void report(const PatchOutcome& outcome, const PieceSplit* splits, KeptName name, PatchJob& job) {
   if (outcome.failure != PatchFailure::none) return;
-  job.splits.assign(splits, splits + outcome.splits);
-  sort_requests(job.splits);
+  if (outcome.splits > 0) {
+    job.patch = std::make_unique<PatchMesh>();
+    job.patch->splits.assign(splits, splits + outcome.splits);
+    sort_requests(job.patch->splits);
+  }
   job.is_done = true;
   job.is_kept = outcome.triangles > 0;
   job.interior = outcome.interior;
   job.triangles = outcome.triangles;
   job.kept = name.packed();
+}
+
+template <class T>
+void assign(const T* from, std::uint64_t begin, std::uint64_t end, PatchVector<T>& to) {
+  to.assign(from + begin, from + end);
+}
+
+// Brings a batch, which was meshed in this room, to the host, and gives its patches to their jobs.
+void return_batch(const KeptBatch& batch, const PatchBatch& packed, HostRoom& room,
+                  std::span<PatchJob> jobs, const Stream& stream) {
+  const Vec3d* const interior = room.interior.take(batch.interior.size());
+  const std::array<std::uint32_t, 3>* const triangles = room.triangles.take(batch.triangles.size());
+  download_parts({{room.interior.data(), batch.interior.data(), batch.interior.bytes()},
+                  {room.triangles.data(), batch.triangles.data(), batch.triangles.bytes()}},
+                 stream);
+  for_each_index(packed.patches().size(), [&](std::size_t i) {
+    PatchJob& job = jobs[packed.job(i)];
+    if (!job.is_kept) return;
+    job.is_kept = false;
+    job.patch = std::make_unique<PatchMesh>();
+    const GatherPlace &begin = batch.places[i], &end = batch.places[i + 1];
+    assign(interior, begin.interior, end.interior, job.patch->interior);
+    assign(triangles, begin.triangle, end.triangle, job.patch->triangles);
+    assign<PointSource>(room.sources.data(), batch.first_sources[i], batch.first_sources[i + 1],
+                        job.patch->sources);
+  });
 }
 
 // The arrays outlive the stream.
@@ -123,9 +161,11 @@ void pack_batch(const PatchOrder& order, std::span<const std::uint32_t> which, H
   batch.pack_sources(order.sources, room.sources.take(batch.first_sources().back()));
 }
 
-// Meshes the batch in `room`, which has this number, and keeps the patches.
+// Meshes the batch in `room`, which has this number. Returns the patches that the device keeps, all
+// or none: `may_keep` says whether it may keep so many bytes.
+template <class MayKeep>
 KeptBatch mesh_batch(const PatchOrder& order, std::uint32_t number, HostRoom& room,
-                     const Stream& stream) {
+                     const MayKeep& may_keep, const Stream& stream) {
   const PatchBatch batch = std::move(*room.batch);
   room.batch.reset();
   const auto count = static_cast<std::uint32_t>(batch.patches().size());
@@ -164,13 +204,21 @@ KeptBatch mesh_batch(const PatchOrder& order, std::uint32_t number, HostRoom& ro
                          stream);
   PieceSplit* const splits = room.splits.take(device_splits.size());
   download_parts({{splits, device_splits.data(), device_splits.bytes()}}, stream);
-  outlive_stream(kept);
   for_each_index(count, [&](std::size_t i) {
     report(outcomes[i], splits + kept.places[i].split, {number, static_cast<std::uint32_t>(i)},
            order.jobs[batch.job(i)]);
   });
+  if (!may_keep(kept.bytes())) {
+    return_batch(kept, batch, room, order.jobs, stream);
+    return {};
+  }
+  outlive_stream(kept);
   return kept;
 }
+
+// Of an interior point and of a triangle in a mesh: what download_part() copies.
+constexpr std::uint64_t kVertexBytes = sizeof(Vec3d) + sizeof(Vec3f) + 3 * sizeof(SphereId),
+                        kTriangleBytes = sizeof(Triangle) + sizeof(SphereId);
 
 // A run of places, and how many vertices and triangles there are from the first to the last one,
 // those of other patches between them included.
@@ -183,19 +231,24 @@ struct MeshPart {
         vertices(some.back().first_vertex + some.back().interior - some.front().first_vertex),
         triangles(some.back().first_triangle + some.back().triangles -
                   some.front().first_triangle) {}
+
+  std::uint64_t device_bytes() const {
+    return vertices * kVertexBytes + triangles * kTriangleBytes +
+           places.size() * sizeof(mesher::PlacedPatch);
+  }
 };
 
-// Parts of about this many triangles: 160 MB of a mesh, so that parts travel while others are
-// written, and all pieces are long.
-constexpr std::uint64_t kTrianglesOfPart = std::uint64_t{1} << 22;
+// Parts of about this many bytes on the device, some four million triangles, so that parts travel
+// while others are written, and all pieces are long.
+constexpr std::uint64_t kMostPartBytes = std::uint64_t{160} << 20;
 
-std::vector<MeshPart> parts_of(std::span<const PatchPlace> places) {
+// Parts of up to so many bytes, but of one place at least.
+std::vector<MeshPart> parts_of(std::span<const PatchPlace> places, std::uint64_t most_bytes) {
   std::vector<MeshPart> parts;
   for (std::size_t begin = 0, end = 0; begin < places.size(); begin = end) {
+    do ++end;
     while (end < places.size() &&
-           places[end].first_triangle - places[begin].first_triangle < kTrianglesOfPart) {
-      ++end;
-    }
+           MeshPart(places.subspan(begin, end + 1 - begin)).device_bytes() <= most_bytes);
     parts.emplace_back(places.subspan(begin, end - begin));
   }
   return parts;
@@ -266,7 +319,8 @@ void write_part(const MeshPart& part, const std::vector<KeptBatch>& batches,
 // Computes on the device that is current where it is made, whatever thread calls it.
 class CudaPatchDevice final : public PatchDevice {
  public:
-  CudaPatchDevice() {
+  // With up to so many bytes of the device's memory.
+  explicit CudaPatchDevice(std::uint64_t most_bytes) : most_bytes_(most_bytes) {
     const DeviceScope scope;
     check_cuda(cudaGetDevice(&device_), "device");
   }
@@ -278,34 +332,48 @@ class CudaPatchDevice final : public PatchDevice {
 
   void mesh(const PatchOrder& order) override {
     const DeviceScope scope(device_);
-    std::size_t free = 0, total = 0;
-    check_cuda(cudaMemGetInfo(&free, &total), "memory");
+    const DeviceShares shares(memory());
     std::vector<std::vector<std::uint32_t>> batches;
     // The first batches of both threads are packed at once, so that the host has to wait for its
     // next round only once, and the device does not wait for it.
     for (HostRoom& room : rooms_) room.batch.reset();  // whatever a call that failed has left
     order.look([&] {
-      batches = batches_of(order.jobs, free);
+      batches = batches_of(order.jobs, shares.batch);
       for (std::size_t i = 0; i < std::min(batches.size(), rooms_.size()); ++i) {
         pack_batch(order, batches[i], rooms_[i]);
       }
     });
     const std::size_t before = kept_.size();
     kept_.resize(before + batches.size());
+    // Of two batches that end at the same time, one after the other takes its part.
+    const auto may_keep = [&](std::uint64_t bytes) {
+      const std::uint64_t with = kept_bytes_ += bytes;
+      if (with <= shares.kept) return true;
+      kept_bytes_ -= bytes;
+      return false;
+    };
     for_each(batches.size(), [&](std::size_t i, HostRoom& room, const Stream& stream) {
       if (!room.batch) order.look([&] { pack_batch(order, batches[i], room); });
-      kept_[before + i] = mesh_batch(order, static_cast<std::uint32_t>(before + i), room, stream);
+      kept_[before + i] =
+          mesh_batch(order, static_cast<std::uint32_t>(before + i), room, may_keep, stream);
       advance(order.monitor, batches[i].size());
     });
   }
 
+  std::uint64_t batches() const override { return kept_.size(); }
+
   void place(const PatchPlaces& all, IndexedMesh& mesh) override {
+    if (all.places.empty()) return;
     const DeviceScope scope(device_);
     const Stream stream;
+    const std::uint64_t memory_of_parts = memory() - kept_bytes_;
     const DeviceArray<std::uint32_t> first_vertices(all.first_vertices.size(), stream);
     upload_parts({{first_vertices.data(), all.first_vertices.data(), first_vertices.bytes()}},
                  stream);
-    const std::vector<MeshPart> parts = parts_of(all.places);
+    const std::uint64_t left =
+        memory_of_parts - std::min<std::uint64_t>(memory_of_parts, first_vertices.bytes());
+    const std::vector<MeshPart> parts =
+        parts_of(all.places, std::min(kMostPartBytes, left / rooms_.size()));
     for_each(parts.size(), [&](std::size_t i, HostRoom&, const Stream& own) {
       write_part(parts[i], kept_, first_vertices.data(), all.unit, mesh, own);
     });
@@ -314,9 +382,16 @@ class CudaPatchDevice final : public PatchDevice {
   void forget() override {
     const DeviceScope scope(device_);
     kept_.clear();
+    kept_bytes_ = 0;
   }
 
  private:
+  // The bytes of the device that this object may have, with what it keeps already. An eighth of
+  // what is free is left, since memory comes in larger pieces than those asked for.
+  std::uint64_t memory() const {
+    return std::min(most_bytes_, available_device_memory() / 8 * 7 + kept_bytes_);
+  }
+
   // Calls work(i, room, stream) for i = 0 .. count - 1, on two threads. Thread i begins with i.
   template <class Work>
   void for_each(std::size_t count, const Work& work) {
@@ -328,15 +403,17 @@ class CudaPatchDevice final : public PatchDevice {
     });
   }
 
+  std::uint64_t most_bytes_;
   int device_ = 0;
   std::array<HostRoom, 2> rooms_;  // for the two threads
-  std::vector<KeptBatch> kept_;
+  std::vector<KeptBatch> kept_;    // empty for batches that went to the host
+  std::atomic<std::uint64_t> kept_bytes_ = 0;
 };
 
 class CudaExactMesher final : public ExactMesher {
  public:
   ExactMesh mesh(const SphereSet& spheres, const ExactMeshOptions& options) const override {
-    CudaPatchDevice device;
+    CudaPatchDevice device(options.device_memory);
     return mesh_union_with(&device, spheres, options);
   }
 };

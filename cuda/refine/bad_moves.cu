@@ -22,25 +22,14 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 
-// Computes the boxes of all triangles and builds the grid over them.
-template <class Level>
-CrossingFinder make_crossing_finder(const Level& level, const Stream& stream) {
-  const std::uint64_t patches = level.patches(), triangles = level.mesh.triangles;
-  require_device_memory(triangles * sizeof(FloatBox), "looking for crossing triangles");
-  DeviceArray<FloatBox> boxes(triangles, stream.get());
-  launch("bound_triangles", bound_triangles<Level>, over(patches, kThreads), stream, level,
-         boxes.data());
-  return CrossingFinder(std::move(boxes), stream);
-}
-
 // The finder of crossing triangles of a level. It is empty if crossings are allowed, or if no
 // vertex has moved: no projection has made a step then.
-template <class Level>
-std::optional<CrossingFinder> finder_for(const Level& level, const LevelPasses& passes,
-                                         const Stream& stream) {
+template <class Patches>
+std::optional<CrossingFinder<Patches>> finder_for(const Patches& level, const LevelPasses& passes,
+                                                  const Stream& stream) {
   if (passes.crossings == Crossings::allow) return std::nullopt;
   if (fetch(passes.stats, stream).iterations_max == 0) return std::nullopt;
-  return make_crossing_finder(level, stream);
+  return std::optional<CrossingFinder<Patches>>(std::in_place, level, passes.move_states, stream);
 }
 
 void clear_marks(const MoveStatesView& move_states, const Stream& stream) {
@@ -101,13 +90,6 @@ struct IsToUndo {
   __host__ __device__ bool operator()(std::uint32_t edge) const {
     return move_states[edge] == MoveState::to_undo;
   }
-};
-
-// The edges whose midpoints a pass puts back, in device memory. Their order depends on the
-// scheduling of threads; the results do not.
-struct EdgeList {
-  const std::uint32_t* edges = nullptr;  // edge numbers of the parent
-  std::uint64_t count = 0;
 };
 
 // The edges of all `marked` marked midpoints, found by a search over all states. This is the
@@ -260,29 +242,11 @@ __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint
   }
 }
 
-}  // namespace
-
-// Level 0: every pass tests triangles by one thread each, then puts the marked vertices back.
-std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
+// Takes back the bad moves of midpoints; the patches are those in which crossings are looked for.
+template <class Patches>
+std::uint64_t take_back_midpoints(const Patches& level, const LevelPasses& passes,
                                   const Stream& stream) {
-  const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
-  const auto restored = zeros<unsigned long long>(1, stream);
-  for (int pass = 0;; ++pass) {
-    // No step of progress is done: the call throws if the run has been cancelled.
-    advance(passes.monitor, 0);
-    clear_marks(passes.move_states, stream);
-    launch("mark_turned", mark_turned, over(level.patches(), kThreads), stream, passes.surface,
-           level, passes.move_states, pass);
-    if (finder) finder->mark(level.mesh, passes.move_states, pass);
-    if (fetch(passes.move_states.marked, stream) == 0) return fetch(restored.data(), stream);
-    launch("restore_marked", restore_marked, over(level.given.vertices, kThreads), stream,
-           passes.surface, level, passes.move_states.move_states, restored.data());
-  }
-}
-
-std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses& passes,
-                                  const Stream& stream) {
-  const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
+  auto finder = finder_for(level, passes, stream);
   LevelPasses now = passes;
   // Two arrays for lists take turns: one holds the edges whose midpoints go back, while the other
   // collects the marks of the next pass. The marks of pass 0 are there already:
@@ -294,7 +258,7 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
   std::uint64_t undone = 0;
   for (int pass = 0;; ++pass) {
     advance(passes.monitor, 0);
-    if (finder) finder->mark(level.mesh, now.move_states, pass);
+    if (finder) finder->mark(now.move_states, pass, last);
     const std::uint64_t marked = fetch(now.move_states.marked, stream);
     // Only now are the midpoints done that the previous pass has put back: by their state
     // just_undone the finder has recognised the triangles to test again.
@@ -310,6 +274,32 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
     clear_marks(now.move_states, stream);
     take_back_listed(level, now, last, stream);
   }
+}
+
+}  // namespace
+
+// Level 0: every pass tests triangles by one thread each, then puts the marked vertices back.
+std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
+                                  const Stream& stream) {
+  auto finder = finder_for(GivenPatches{level}, passes, stream);
+  const auto restored = zeros<unsigned long long>(1, stream);
+  for (int pass = 0;; ++pass) {
+    // No step of progress is done: the call throws if the run has been cancelled.
+    advance(passes.monitor, 0);
+    clear_marks(passes.move_states, stream);
+    launch("mark_turned", mark_turned, over(level.patches(), kThreads), stream, passes.surface,
+           level, passes.move_states, pass);
+    if (finder) finder->mark(passes.move_states, pass, {});
+    if (fetch(passes.move_states.marked, stream) == 0) return fetch(restored.data(), stream);
+    launch("restore_marked", restore_marked, over(level.given.vertices, kThreads), stream,
+           passes.surface, level, passes.move_states.move_states, restored.data());
+  }
+}
+
+std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses& passes,
+                                  const Stream& stream) {
+  if (level.is_first) return take_back_midpoints(MidpointPatches{level}, passes, stream);
+  return take_back_midpoints(DividedPatches{level}, passes, stream);
 }
 
 void count_turned_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,

@@ -1,10 +1,11 @@
 // Finds crossing triangles with a uniform grid of cells. The grid is built in these steps: extent
 // of all boxes, width of the cells, number of entries per cell, prefix sum, entries. An entry is a
-// triangle in the list of a cell.
+// patch in the list of a cell.
 //
-// Then the pairs of triangles that share a cell are tested. A pair that shares several cells is
-// tested in one of them only: the cell that holds the lower corner of the intersection of the two
-// boxes. This is the reference point method of spatial joins (Dittrich and Seeger, ICDE 2000).
+// Then the pairs of patches that share a cell are listed (find_pairs()), as many at a time as the
+// list has room for, and tested (patch_pair_tests.cuh). A pair that shares several cells is listed
+// in one of them only: the cell that holds the lower corner of the intersection of the two boxes.
+// This is the reference point method of spatial joins (Dittrich and Seeger, ICDE 2000).
 #include <thrust/iterator/transform_iterator.h>
 
 #include <algorithm>
@@ -15,12 +16,17 @@
 
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/refine/device_crossings.cuh"
-#include "refine/crossing_formulas.hpp"
+#include "cuda/refine/patch_pair_tests.cuh"
 
 namespace vdwmesh {
 namespace {
 
 constexpr unsigned kThreads = 256;
+// Entries whose pairs are listed at a time. Molecules have about one pair for an entry.
+constexpr std::uint64_t kEntriesAtOnce = std::uint64_t{1} << 24;
+// The width of a cell, in units of the mean of the longest sides of patches' boxes.
+constexpr double kCellWidth = 2;
+constexpr const char* kPurpose = "looking for crossing triangles";
 
 // ---- the grid ----
 
@@ -35,7 +41,8 @@ constexpr Extent kNoExtent{{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}, 0};
 
 // The extent of a single box.
 struct ExtentOf {
-  __host__ __device__ Extent operator()(const FloatBox& box) const {
+  __host__ __device__ Extent operator()(const SurveyedPatch& patch) const {
+    const FloatBox& box = patch.box;
     double width = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double along = static_cast<double>(box.upper[axis]) - box.lower[axis];
@@ -81,91 +88,95 @@ __device__ Place place_of(const CrossingGrid& grid, const float* corner) {
           cell_along(grid, 2, corner[2])};
 }
 
-// Calls visit(cell, place) for every cell that the box touches, with the cell's number and
-// position.
+// Calls visit(cell) for every cell that the box touches, with the cell's number.
 template <class Visit>
 __device__ void visit_cells(const CrossingGrid& grid, const FloatBox& box, const Visit& visit) {
   const Place low = place_of(grid, box.lower), high = place_of(grid, box.upper);
   for (std::uint64_t z = low.along[2]; z <= high.along[2]; ++z) {
     for (std::uint64_t y = low.along[1]; y <= high.along[1]; ++y) {
       const std::uint64_t row = (z * grid.cells[1] + y) * grid.cells[0];
-      for (std::uint64_t x = low.along[0]; x <= high.along[0]; ++x) {
-        visit(row + x, Place{{static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
-                              static_cast<std::uint32_t>(z)}});
-      }
+      for (std::uint64_t x = low.along[0]; x <= high.along[0]; ++x) visit(row + x);
     }
   }
 }
 
-// Counts the entries of every cell in grid.start, which begins as zeros. One thread per triangle.
-__global__ void count_entries(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
+// Counts the entries of every cell in grid.start, which begins as zeros. One thread per patch.
+__global__ void count_entries(CrossingGrid grid, const SurveyedPatch* patches,
+                              std::uint64_t count) {
   const std::uint64_t t = thread_index();
-  if (t >= triangles) return;
-  visit_cells(grid, boxes[t],
-              [&](std::uint64_t cell, Place) { atomicAdd(&grid.start[cell], 1ull); });
+  if (t >= count) return;
+  visit_cells(grid, patches[t].box,
+              [&](std::uint64_t cell) { atomicAdd(&grid.start[cell], 1ull); });
 }
 
-// Writes the entries. One thread per triangle. When the kernel begins, start[c] is the end of cell
+// Writes the entries. One thread per patch. When the kernel begins, start[c] is the end of cell
 // c's list (an inclusive prefix sum of the counts). Each list is filled from its end and start[c]
 // decreased, so that in the end it is the list's first entry. The order within a list depends on
 // the scheduling of threads; the marks of vertices do not.
-__global__ void fill_cells(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
+__global__ void fill_cells(CrossingGrid grid, const SurveyedPatch* patches, std::uint64_t count) {
   const std::uint64_t t = thread_index();
-  if (t >= triangles) return;
-  visit_cells(grid, boxes[t], [&](std::uint64_t cell, Place) {
+  if (t >= count) return;
+  visit_cells(grid, patches[t].box, [&](std::uint64_t cell) {
     // Adding ~0 subtracts one; the result is the value before.
     const unsigned long long behind = atomicAdd(&grid.start[cell], ~0ull);
-    grid.triangles[behind - 1] = static_cast<std::uint32_t>(t);
+    grid.entries[behind - 1] = {static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(cell)};
   });
+}
+
+// Makes all cells dirty that list a patch which the pass must test. One thread per patch.
+__global__ void mark_dirty(CrossingGrid grid, const SurveyedPatch* patches, std::uint64_t count,
+                           std::uint8_t* dirty) {
+  const std::uint64_t t = thread_index();
+  if (t >= count || !is_wanted(patches[t])) return;
+  visit_cells(grid, patches[t].box, [&](std::uint64_t cell) { dirty[cell] = 1; });
+}
+
+// Writes which triangles of level 0 a later pass must test. One thread per triangle.
+__global__ void renew_wanted(GivenPatches level, MoveStatesView states, int pass,
+                             SurveyedPatch* patches) {
+  const std::uint64_t t = thread_index();
+  if (t >= level.patches()) return;
+  for (int i = 0; i < 3; ++i) {
+    patches[t].wanted[i] = has_wanted_state(states, level.vertex(t, i), pass) ? 1 : 0;
+  }
+}
+
+// Makes all patches such that no pass must test them. One thread per patch.
+__global__ void want_none(SurveyedPatch* patches, std::uint64_t count) {
+  const std::uint64_t t = thread_index();
+  if (t >= count) return;
+  for (std::uint8_t& wanted : patches[t].wanted) wanted = 0;
+}
+
+// The patch of the parent's half-edge that the thread handles in a launch of two threads per listed
+// edge. A patch may come more than once.
+template <class Patches>
+__device__ std::uint64_t patch_at(const Patches& level, const EdgeList& list) {
+  const std::uint64_t i = thread_index(), h = level.edges.half_edge(list.edges[i / 2]);
+  return level.patch_of(i % 2 == 0 ? h : level.parent.opposite[h]);
+}
+
+// Says that a pass must test the patches at listed edges, and makes their cells dirty. Two threads
+// per edge.
+template <class Patches>
+__global__ void want_listed(Patches level, CrossingGrid grid, EdgeList list, SurveyedPatch* patches,
+                            std::uint8_t* dirty) {
+  if (thread_index() >= 2 * list.count) return;
+  SurveyedPatch& patch = patches[patch_at(level, list)];
+  patch.wanted[0] = 1;
+  visit_cells(grid, patch.box, [&](std::uint64_t cell) { dirty[cell] = 1; });
+}
+
+// Says that the next pass need not test the patches at listed edges. Two threads per edge.
+template <class Patches>
+__global__ void forget_listed(Patches level, EdgeList list, SurveyedPatch* patches) {
+  if (thread_index() < 2 * list.count) patches[patch_at(level, list)].wanted[0] = 0;
 }
 
 // ---- crossings ----
 
-// The corners of a triangle.
-struct Corners {
-  std::uint32_t vertex[3];
-  Vec3d position[3];
-  SphereId atom[3];
-};
-
-__device__ void load_vertices(const DeviceMeshView& mesh, std::uint64_t t, std::uint32_t* vertex) {
-  for (int k = 0; k < 3; ++k) vertex[k] = mesh.corners[3 * t + k];
-}
-
-__device__ void load_places(const DeviceMeshView& mesh, Corners& c) {
-  for (int k = 0; k < 3; ++k) {
-    c.position[k] = mesh.positions[c.vertex[k]];
-    c.atom[k] = mesh.vertex_spheres.atoms[c.vertex[k]];
-  }
-}
-
-// away: whether a vertex of the triangle is where its move led. just_undone: whether one was put
-// back by the previous pass.
-struct TriangleState {
-  bool away, just_undone;
-};
-
-__device__ TriangleState state_of(const MoveStatesView& move_states, const std::uint32_t* vertex) {
-  TriangleState triangle{false, false};
-  for (int k = 0; k < 3; ++k) {
-    const MoveState state = move_states.of(vertex[k]);
-    triangle.away |= state == MoveState::moved || state == MoveState::to_undo;
-    triangle.just_undone |= state == MoveState::just_undone;
-  }
-  return triangle;
-}
-
-// Whether two boxes have a point in common.
-__device__ bool overlap(const FloatBox& a, const FloatBox& b) {
-  bool apart = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    apart |= a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis];
-  }
-  return !apart;
-}
-
-// Whether the pair of triangles with boxes a and b is to be tested in the cell at `place`, one of
-// the cells that both touch: whether this cell holds the lower corner of the boxes' intersection.
+// Whether the pair of patches with boxes a and b is to be tested in the cell at `place`, one of the
+// cells that both touch: whether this cell holds the lower corner of the boxes' intersection.
 // Precondition: the boxes overlap.
 __device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, const FloatBox& a,
                                 const FloatBox& b) {
@@ -177,74 +188,129 @@ __device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, co
   return first;
 }
 
-__device__ bool is_crossing(const Corners& a, const Corners& b) {
-  return boxes_overlap(a.position, b.position) &&
-         triangles_cross(a.position, a.vertex, a.atom, b.position, b.vertex, b.atom);
+// Whether two patches have a corner with a star in common, so that none of their triangles cross.
+__device__ bool share_star(const SurveyedPatch& a, const SurveyedPatch& b) {
+  bool share = false;
+  for (const std::uint32_t star : a.star) {
+    const bool is_shared = star == b.star[0] || star == b.star[1] || star == b.star[2];
+    share |= is_shared && star != kNoStar;
+  }
+  return share;
 }
 
-// Marks the moved vertices of crossing triangles. One thread per triangle, which tests its own
-// triangle against the others in its cells. In pass 0 it tests only triangles with a higher number
-// than its own, so each pair is tested once. In later passes it tests all others, but only if a
-// vertex of its own triangle was put back by the previous pass. Pairs without a moved vertex are
-// not tested. Other threads may mark vertices meanwhile: a marked vertex still counts as away, so
-// the result does not depend on their order.
-__global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMeshView mesh,
-                             MoveStatesView move_states, int pass) {
-  const std::uint64_t t = thread_index();
-  if (t >= mesh.triangles) return;
-  Corners mine;
-  load_vertices(mesh, t, mine.vertex);
-  const TriangleState state = state_of(move_states, mine.vertex);
-  if (pass > 0 && !state.just_undone) return;
-  load_places(mesh, mine);
-  const FloatBox box = boxes[t];
-  visit_cells(grid, box, [&](std::uint64_t cell, const Place& place) {
-    for (unsigned long long e = grid.start[cell]; e < grid.start[cell + 1]; ++e) {
-      const std::uint32_t other = grid.triangles[e];
-      if (pass == 0 ? other <= t : other == t) continue;
-      const FloatBox other_box = boxes[other];
-      if (!overlap(box, other_box) || !is_first_shared(grid, place, box, other_box)) continue;
-      Corners theirs;
-      load_vertices(mesh, other, theirs.vertex);
-      if (!state.away && !state_of(move_states, theirs.vertex).away) continue;
-      load_places(mesh, theirs);
-      if (!is_crossing(mine, theirs)) continue;
-      for (int k = 0; k < 3; ++k) {
-        move_states.mark(mine.vertex[k]);
-        move_states.mark(theirs.vertex[k]);
-      }
+// Reserves room in a list for the `mine` elements of each lane, and returns where those of the lane
+// begin. All lanes of a warp must call it together.
+__device__ unsigned long long reserve(unsigned long long* count, unsigned mine) {
+  const unsigned lane = threadIdx.x % kWarp;
+  unsigned through = mine;  // of all lanes up to this one
+  for (unsigned step = 1; step < kWarp; step *= 2) {
+    const unsigned before = __shfl_up_sync(kAllLanes, through, step);
+    if (lane >= step) through += before;
+  }
+  unsigned long long begin = 0;
+  if (lane == kWarp - 1 && through > 0) begin = atomicAdd(count, 1ull * through);
+  return __shfl_sync(kAllLanes, begin, kWarp - 1) + through - mine;
+}
+
+// Lists the pairs of patches that must be tested for crossing triangles, those of the entries from
+// `first` to `last`: one thread per entry compares its patch with those before it in the same cell,
+// and with itself if a patch has pieces. The lanes of a cell take them in the same order, so that
+// they mostly read the same patch. Counts all pairs and writes those that there is room for. Stars
+// count in pass 0 only: later one patch of each pair has changed, and the fans of its corners.
+__global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
+                           const std::uint8_t* dirty, std::uint64_t first, std::uint64_t last,
+                           bool has_pieces, int pass, NumberPair* pairs, std::uint64_t room,
+                           unsigned long long* count) {
+  const std::uint64_t own = first + thread_index();
+  CellEntry entry{0, 0};
+  std::uint64_t next = 0, end = 0;
+  SurveyedPatch mine{};
+  Place place{};
+  bool mine_wanted = false;
+  if (own < last) {
+    entry = grid.entries[own];
+    if (dirty[entry.cell] != 0) {
+      next = grid.start[entry.cell];
+      end = has_pieces ? own + 1 : own;
+      mine = patches[entry.patch];
+      mine_wanted = is_wanted(mine);
+      const std::uint32_t row = entry.cell / grid.cells[0];
+      place = {{entry.cell % grid.cells[0], row % grid.cells[1], row / grid.cells[1]}};
     }
-  });
+  }
+  while (__any_sync(kAllLanes, next < end)) {
+    const std::uint64_t base = next;
+    std::uint32_t found = 0;  // bit k: the pair with entry base + k
+    for (; next < end && next < base + 32; ++next) {
+      const SurveyedPatch other = patches[grid.entries[next].patch];
+      if (!overlap(mine.box, other.box)) continue;
+      if (!mine_wanted && !is_wanted(other)) continue;
+      if (pass == 0 && share_star(mine, other)) continue;
+      if (!is_first_shared(grid, place, mine.box, other.box)) continue;
+      found |= 1u << (next - base);
+    }
+    unsigned long long slot = reserve(count, static_cast<unsigned>(__popc(found)));
+    for (; found != 0; found &= found - 1, ++slot) {
+      const std::uint64_t k = base + static_cast<unsigned>(__ffs(static_cast<int>(found))) - 1;
+      if (slot < room) pairs[slot] = {entry.patch, grid.entries[k].patch};
+    }
+  }
 }
 
 }  // namespace
 
-CrossingFinder::CrossingFinder(DeviceArray<FloatBox> boxes, const Stream& stream)
-    : stream_(stream), boxes_(std::move(boxes)) {
-  if (boxes_.size() == 0) return;
+template <class Patches>
+CrossingFinder<Patches>::CrossingFinder(const Patches& level, const MoveStatesView& move_states,
+                                        const Stream& stream)
+    : level_(level), stream_(stream), found_(1, stream.get()) {
+  if (level.patches() == 0) return;
+  if (level.mesh.triangles > std::numeric_limits<std::uint32_t>::max()) {
+    throw LimitExceeded("crossings are looked for among at most 2^32 - 1 triangles");
+  }
+  require_device_memory(crossing_search_bytes(level.patches(), Patches::kPieces > 0), kPurpose);
+  patches_ = DeviceArray<SurveyedPatch>(level.patches(), stream.get());
+  pieces_ = DeviceArray<FloatBox>(Patches::kPieces * level.patches(), stream.get());
+  judge_fans(move_states);
   shape();
   fill();
 }
 
-// Chooses origin, width and number of the cells. A cell is as wide as the longest side of a box is
-// on average, so that a triangle is listed in a few cells. If this gives more cells than triangles
-// (or than 64, or than 32 bits number), the width grows by the cube root of the excess, and by 1 %
-// at least, until the cells are few enough.
-void CrossingFinder::shape() {
+// Makes the boxes of the patches and finds their stars. Single triangles have none.
+template <class Patches>
+void CrossingFinder<Patches>::judge_fans(const MoveStatesView& move_states) {
+  const std::uint64_t patches = level_.patches();
+  DeviceArray<std::uint32_t> fans;
+  DeviceArray<Vec3f> directions;
+  if constexpr (Patches::kPieces > 0) {
+    fans = zeros<std::uint32_t>(level_.corner_vertices(), stream_);
+    directions = zeros<Vec3f>(level_.corner_vertices(), stream_);
+    launch("add_directions", add_directions<Patches>, over(patches, kThreads), stream_, level_,
+           directions.data());
+  }
+  launch("survey_patches", survey_patches<Patches>, over(3 * patches, kTestThreads), stream_,
+         level_, move_states, patches_.data(), pieces_.data(), directions.data(), fans.data());
+  launch("note_stars", note_stars<Patches>, over(patches, kThreads), stream_, level_, fans.data(),
+         patches_.data());
+}
+
+// Chooses origin, width and number of the cells. If kCellWidth gives more cells than patches (or
+// than 64, or than 32 bits number), the width grows by the cube root of the excess, and by 1 % at
+// least, until the cells are few enough.
+template <class Patches>
+void CrossingFinder<Patches>::shape() {
   const DeviceArray<Extent> total(1, stream_.get());
-  const auto extents =
-      thrust::make_transform_iterator(static_cast<const FloatBox*>(boxes_.data()), ExtentOf{});
-  run_cub("extent of the triangles", stream_.get(), [&](void* scratch, std::size_t& bytes) {
+  const auto extents = thrust::make_transform_iterator(
+      static_cast<const SurveyedPatch*>(patches_.data()), ExtentOf{});
+  run_cub("extent of the patches", stream_.get(), [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceReduce::Reduce(scratch, bytes, extents, total.data(),
-                                     static_cast<std::int64_t>(boxes_.size()), JoinExtents{},
+                                     static_cast<std::int64_t>(patches_.size()), JoinExtents{},
                                      kNoExtent, stream_.get());
   });
   const Extent extent = fetch(total.data(), stream_);
-  const auto triangles = static_cast<double>(boxes_.size());
-  const double most =
-      std::clamp(triangles, 64.0, double{std::numeric_limits<std::uint32_t>::max()});
-  // The bound of 1e-100 Å avoids a division by zero if all triangles are points.
-  double cell = std::max(extent.width_sum / triangles, 1e-100);
+  const auto patches = static_cast<double>(patches_.size());
+  const double most = std::clamp(patches, 64.0, double{std::numeric_limits<std::uint32_t>::max()});
+  // The bound of 1e-100 Å avoids a division by zero if all patches are points.
+  double cell = std::max(kCellWidth * extent.width_sum / patches, 1e-100);
   for (;;) {
     double cells = 1;
     for (int axis = 0; axis < 3; ++axis) cells *= cells_along(extent.all, cell, axis);
@@ -262,32 +328,95 @@ void CrossingFinder::shape() {
 // Takes the memory of the grid, after checking that it is there, and writes the entries. The array
 // `start` has one element per cell and one more, which stays 0 while counting and is the number of
 // all entries after the prefix sum.
-void CrossingFinder::fill() {
+template <class Patches>
+void CrossingFinder<Patches>::fill() {
   const std::uint64_t cells = std::uint64_t{grid_.cells[0]} * grid_.cells[1] * grid_.cells[2];
-  const char* const purpose = "looking for crossing triangles";
-  require_device_memory((cells + 1) * sizeof(unsigned long long), purpose);
-  start_ = DeviceArray<unsigned long long>(cells + 1, stream_.get());
-  clear(start_, stream_.get());
+  require_device_memory((cells + 1) * sizeof(unsigned long long) + cells, kPurpose);
+  start_ = zeros<unsigned long long>(cells + 1, stream_);
+  dirty_ = DeviceArray<std::uint8_t>(cells, stream_.get());
   grid_.start = start_.data();
-  const std::uint64_t triangles = boxes_.size();
-  launch("count_entries", count_entries, over(triangles, kThreads), stream_, grid_, boxes_.data(),
-         triangles);
+  const LaunchShape shape = over(patches_.size(), kThreads);
+  launch("count_entries", count_entries, shape, stream_, grid_, patches_.data(), patches_.size());
   run_cub("scan of the cells", stream_.get(), [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceScan::InclusiveSum(scratch, bytes, start_.data(), start_.data(),
                                          static_cast<std::int64_t>(cells + 1), stream_.get());
   });
   const std::uint64_t entries = fetch(start_.data() + cells, stream_);
-  require_device_memory(entries * sizeof(std::uint32_t), purpose);
-  triangles_ = DeviceArray<std::uint32_t>(entries, stream_.get());
-  grid_.triangles = triangles_.data();
-  launch("fill_cells", fill_cells, over(triangles, kThreads), stream_, grid_, boxes_.data(),
-         triangles);
+  const std::uint64_t room = 2 * std::min(entries, kEntriesAtOnce);
+  require_device_memory(entries * sizeof(CellEntry) + room * sizeof(NumberPair), kPurpose);
+  entries_ = DeviceArray<CellEntry>(entries, stream_.get());
+  pairs_ = DeviceArray<NumberPair>(room, stream_.get());
+  grid_.entries = entries_.data();
+  launch("fill_cells", fill_cells, shape, stream_, grid_, patches_.data(), patches_.size());
 }
 
-void CrossingFinder::mark(const DeviceMeshView& mesh, const MoveStatesView& move_states,
-                          int pass) const {
-  launch("mark_crossed", mark_crossed, over(mesh.triangles, kThreads), stream_, grid_,
-         boxes_.data(), mesh, move_states, pass);
+// Lists the pairs of the entries from `first` to `last` and returns their number. If they do not
+// fit into the list, a longer one is made for them.
+template <class Patches>
+std::uint64_t CrossingFinder<Patches>::find(std::uint64_t first, std::uint64_t last, int pass) {
+  for (;;) {
+    clear(found_, stream_.get());
+    launch("find_pairs", find_pairs, over(last - first, kThreads), stream_, grid_, patches_.data(),
+           dirty_.data(), first, last, Patches::kPieces > 0, pass, pairs_.data(), pairs_.size(),
+           found_.data());
+    const std::uint64_t found = fetch(found_.data(), stream_);
+    if (found <= pairs_.size()) return found;
+    pairs_ = DeviceArray<NumberPair>();
+    require_device_memory(found * sizeof(NumberPair), kPurpose);
+    pairs_ = DeviceArray<NumberPair>(found, stream_.get());
+  }
 }
+
+// Notes which patches the pass must test, and makes the cells dirty in which these are.
+template <class Patches>
+void CrossingFinder<Patches>::want(const MoveStatesView& move_states, int pass,
+                                   const EdgeList& changed) {
+  const LaunchShape each = over(patches_.size(), kThreads);
+  clear(dirty_, stream_.get());
+  if constexpr (Patches::kPieces > 0) {
+    if (pass == 1) launch("want_none", want_none, each, stream_, patches_.data(), patches_.size());
+    if (pass > 0) {
+      launch("want_listed", want_listed<Patches>, over(2 * changed.count, kThreads), stream_,
+             level_, grid_, changed, patches_.data(), dirty_.data());
+      return;
+    }
+  } else if (pass > 0) {
+    launch("renew_wanted", renew_wanted, each, stream_, level_, move_states, pass, patches_.data());
+  }
+  launch("mark_dirty", mark_dirty, each, stream_, grid_, patches_.data(), patches_.size(),
+         dirty_.data());
+}
+
+template <class Patches>
+void CrossingFinder<Patches>::mark(const MoveStatesView& move_states, int pass,
+                                   const EdgeList& changed) {
+  if (patches_.size() == 0) return;
+  want(move_states, pass, changed);
+  for (std::uint64_t first = 0; first < entries_.size(); first += kEntriesAtOnce) {
+    const std::uint64_t last = std::min<std::uint64_t>(entries_.size(), first + kEntriesAtOnce);
+    const std::uint64_t found = find(first, last, pass);
+    launch("test_pairs", test_pairs<Patches>, over(found, kTestThreads), stream_, level_,
+           pieces_.data(), move_states, pairs_.data(), found);
+  }
+  if constexpr (Patches::kPieces > 0) {
+    if (pass == 0) return;
+    launch("forget_listed", forget_listed<Patches>, over(2 * changed.count, kThreads), stream_,
+           level_, changed, patches_.data());
+  }
+}
+
+// Of each patch what the survey knows, the boxes of its pieces, the offset and the mark of at most
+// one cell, and about three entries; and the list of pairs. The fans take less than the entries,
+// and give their memory back before.
+std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_pieces) {
+  const std::uint64_t of_pieces = has_pieces ? 4 * sizeof(FloatBox) : 0;
+  const std::uint64_t of_cells = 3 * sizeof(CellEntry) + sizeof(unsigned long long) + 1;
+  return patches * (sizeof(SurveyedPatch) + of_pieces + of_cells) +
+         2 * std::min(3 * patches, kEntriesAtOnce) * sizeof(NumberPair);
+}
+
+template class CrossingFinder<GivenPatches>;
+template class CrossingFinder<MidpointPatches>;
+template class CrossingFinder<DividedPatches>;
 
 }  // namespace vdwmesh

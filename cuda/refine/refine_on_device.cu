@@ -8,6 +8,7 @@
 #include <bit>
 #include <utility>
 
+#include "cuda/refine/device_crossings.cuh"
 #include "cuda/refine/device_refinement.cuh"
 #include "cuda/refine/make_vertices.cuh"
 
@@ -240,10 +241,10 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
   if (options.crossings == Crossings::allow || options.projection == Projection::none) {
     return mesh + move_states;
   }
-  // The search for crossings: a box of six floats per triangle, at most one cell per triangle with
-  // an offset of 64 bits, and about four entries per triangle of 32 bits.
-  return mesh + move_states +
-         size.triangles * (6 * sizeof(float) + sizeof(std::uint64_t) + 4 * sizeof(std::uint32_t));
+  // A patch of the search is a triangle of the level before the last, of two levels before from
+  // level 2 on, and on level 0 a given triangle.
+  const std::uint64_t patches = options.subdivisions < 2 ? given.triangles : parent.triangles / 4;
+  return mesh + move_states + crossing_search_bytes(patches, options.subdivisions > 0);
 }
 
 DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,

@@ -205,10 +205,7 @@ ListToUpload prepare_list(const SphereSet& spheres, const FieldModel& model,
     return {spheres, field_list(spheres, model, frame, workspace), frame};
   }
   if (frame != nullptr) {
-    Buffer<double> reach(spheres.size());
-    for_each_index(reach.size(),
-                   [&](std::size_t i) { reach[i] = field_reach(model, spheres[i].radius); });
-    require_fit(*frame, spheres, reach);
+    require_fit(*frame, spheres, field_reaches(spheres, model));
   }
   return {spheres, {}, frame};
 }

@@ -47,7 +47,7 @@ py::dict quality(const MeshHandle& h, bool with_self_intersections) {
   const MeshExamination found = call({}, [&](Monitor& monitor) {
     const MeshExamination examined = examine(*h.mesh);
     if (with_self_intersections) {
-      crossings = self_intersections(*h.mesh, &monitor, edges_of(examined.topology));
+      crossings = self_intersections(*h.mesh, &monitor, edges_of(examined.topology), h.grid);
     }
     return examined;
   });

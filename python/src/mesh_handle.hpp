@@ -2,8 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "cuda/on_device.hpp"
+#include "extract/grid.hpp"
 #include "surface/indexed_mesh.hpp"
 #include "surface/surface_patch.hpp"
 
@@ -12,6 +15,7 @@ namespace vdwmesh::python {
 struct MeshHandle {
   std::shared_ptr<const IndexedMesh> mesh;
   std::shared_ptr<const PatchedMesh> patched;  // of which `mesh` is a part; null: without patches
+  std::optional<GridSpec> grid{};              // on which marching cubes made the mesh, if known
 };
 
 // A mesh that a device made, in the device's memory.
@@ -20,13 +24,13 @@ struct CudaMeshHandle {
   bool has_normals = true;  // whether they were asked for; a refined mesh has them in any case
 };
 
-inline MeshHandle handle_of(IndexedMesh&& mesh) {
-  return {std::make_shared<const IndexedMesh>(std::move(mesh)), nullptr};
+inline MeshHandle handle_of(IndexedMesh&& mesh, const std::optional<GridSpec>& grid = {}) {
+  return {std::make_shared<const IndexedMesh>(std::move(mesh)), nullptr, grid};
 }
 
 inline MeshHandle handle_of(PatchedMesh&& mesh) {
   const auto patched = std::make_shared<const PatchedMesh>(std::move(mesh));
-  return {std::shared_ptr<const IndexedMesh>(patched, &patched->mesh), patched};
+  return {std::shared_ptr<const IndexedMesh>(patched, &patched->mesh), patched, {}};
 }
 
 }  // namespace vdwmesh::python

@@ -169,11 +169,14 @@ ExtractOptions extraction(const Request& request, const Box& balls, const Box& c
   return extract;
 }
 
-IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& monitor) {
+// Sets `grid` to the one on which the mesh is made.
+IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& monitor,
+                  std::optional<GridSpec>& grid) {
   ExtractOptions extract =
       extraction(request, bounding_box(spheres), center_bounding_box(spheres), monitor);
   const RefineOptions refine = refinement(request, monitor);
   extract.memory_limit = refine.memory_limit;
+  grid = extract.grid.given;
   const auto pipeline = make_pipeline(request.backend);
   IndexedMesh mesh = std::move(pipeline->run(spheres, extract, refine).mesh);
   if (mesh.triangles.empty()) throw_too_coarse(least_radius(spheres), request.spacing);
@@ -199,7 +202,7 @@ std::vector<MeshHandle> march_many(const SphereBatch& sets, const Request& reque
     if (made.size(set).triangles == 0) {
       throw_too_coarse(least_radius(SphereSet::view(sets.set(set))), request.spacing);
     }
-    meshes.push_back(handle_of(made.mesh(set)));
+    meshes.push_back(handle_of(made.mesh(set), grids[set].given));
   }
   return meshes;
 }
@@ -242,13 +245,14 @@ MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
       return mesh_excluded_surface(spheres_of(centers, sizes, 0), probe, request, monitor);
     }));
   }
-  return handle_of(call(threads, [&](Monitor& monitor) {
+  return call(threads, [&](Monitor& monitor) {
     const SphereSet spheres = spheres_of(centers, sizes, probe);
-    IndexedMesh mesh =
-        request.exact ? mesh_exactly(spheres, request, monitor) : march(spheres, request, monitor);
+    std::optional<GridSpec> grid;
+    IndexedMesh mesh = request.exact ? mesh_exactly(spheres, request, monitor)
+                                     : march(spheres, request, monitor, grid);
     if (!request.normals) mesh.normals = {};
-    return mesh;
-  }));
+    return handle_of(std::move(mesh), grid);
+  });
 }
 
 // Meshes of sets that stand one after another: set i has the rows from offsets[i] on.

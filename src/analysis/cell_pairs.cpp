@@ -29,6 +29,7 @@ constexpr Word kOnes = Word{1} | Word{1} << kFieldBits | Word{1} << 2 * kFieldBi
 constexpr Word kFree = kOnes << kIndexBits;
 constexpr Word kLocal = kOnes * (kBrickSide - 1);  // the place within a brick
 constexpr Word kNoEdge = ~Word{0};
+constexpr double kMostIndex = (1 << kIndexBits) - 2;
 
 // Whether a cell comes after another one in the order of marching cubes: by brick, and within it
 // by place.
@@ -42,49 +43,36 @@ class Planes {
  public:
   explicit Planes(const GridSpec& grid) : grid_(grid), inverse_(1 / grid.spacing) {}
 
-  // Whether the planes rise strictly, and there are no more than a word has room for. Lattice
-  // coordinates are exact places, `spacing` apart, each rounded by at most 2^-53 of the largest.
-  bool are_apart() const {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (grid_.cells[axis] < 0 || grid_.cells[axis] > kMaxCellsPerAxis) return false;
-      const double first = std::abs(lattice_coordinate(grid_, axis, 0)),
-                   last = std::abs(lattice_coordinate(grid_, axis, most(axis)));
-      if (!(0x1p50 * grid_.spacing > first && 0x1p50 * grid_.spacing > last)) return false;
-    }
-    return std::isfinite(inverse_);
-  }
-
-  // The grid edge strictly within which a point lies, or kNoEdge.
+  // The grid edge strictly within which a point lies, or kNoEdge. The index of a plane depends on
+  // its coordinate alone; if rounding makes it another one, the point is found to have no edge.
+  // Indices stay where a word has room for them and for the next one: beyond, and for what is not a
+  // number, neither comparison holds. Index 0 is the plane of virtual nodes, where no vertex is.
   Word edge_of(const Vec3d& p) const {
     Word edge = 0;
     bool holds = true;
     for (int axis = 0; axis < 3; ++axis) {
       const double x = p[axis], nearest = std::nearbyint((x - grid_.origin[axis]) * inverse_) + 1;
-      // Beyond the lattice, and for what is not a number, any index will do.
-      const bool within = nearest >= 0 && nearest <= static_cast<double>(most(axis));
-      const std::int64_t index = within ? static_cast<std::int64_t>(nearest) : 0;
+      const auto index = static_cast<std::int64_t>(std::min(std::max(1.0, nearest), kMostIndex));
       const double plane = lattice_coordinate(grid_, axis, index);
       const Word between = x != plane;
-      const std::int64_t lower = std::max<std::int64_t>(index - (x < plane ? 1 : 0), 0);
+      const std::int64_t lower = index - (x < plane ? 1 : 0);
       const double below = lattice_coordinate(grid_, axis, lower),
                    above = lattice_coordinate(grid_, axis, lower + 1);
-      holds &= within && (!between || (below < x && x < above && lower < most(axis)));
+      holds &= !between || (below < x && x < above);
       edge |= (static_cast<Word>(lower) | between << kIndexBits) << kFieldBits * axis;
     }
     return holds && std::has_single_bit(edge & kFree) ? edge : kNoEdge;
   }
 
  private:
-  std::int64_t most(int axis) const { return grid_.cells[axis] + 2; }
-
   GridSpec grid_;
   double inverse_;
 };
 
 // The edges of a cell, numbered as in case_table.hpp. What is looked up of them is by the six bits
 // that place_bits() makes of an edge's word.
-constexpr std::uint32_t kCellEdges = 12;
-constexpr std::uint8_t kNone = 0xff;
+constexpr std::uint32_t kCellEdges = 12, kAllEdges = (1u << kCellEdges) - 1;
+constexpr std::uint8_t kNone = kCellEdges;  // stands for what is no edge of the cell
 
 // Of each field of a word the lowest bit and the free one: for an edge, less the cell's word, the
 // offset and whether the edge runs along this axis. Field f has bits 2 f and 2 f + 1.
@@ -107,8 +95,8 @@ constexpr std::array<std::uint8_t, 64> kEdgeAt = [] {
 }();
 
 // For two opposite edges of a face, a mask of the other two.
-constexpr std::array<std::array<std::uint16_t, kCellEdges>, kCellEdges> kAcross = [] {
-  std::array<std::array<std::uint16_t, kCellEdges>, kCellEdges> all{};
+constexpr std::array<std::array<std::uint16_t, kNone + 1>, kNone + 1> kAcross = [] {
+  std::array<std::array<std::uint16_t, kNone + 1>, kNone + 1> all{};
   const auto in_face = [](std::uint32_t edge, int axis, int side) {
     const CellEdge e = cell_edge(static_cast<int>(edge));
     const int offset[3] = {e.x, e.y, e.z};
@@ -146,13 +134,11 @@ Placed place(Word a, Word b, Word c) {
   const Word offsets = (a0 - cell) | (b0 - cell) | (c0 - cell);
   const auto edge = [&](Word v) { return kEdgeAt[place_bits(v - cell)]; };
   const std::uint8_t e[3] = {edge(a), edge(b), edge(c)};
-  Placed placed{cell, 0, 0, false};
-  if ((offsets & ~kOnes) != 0 || (e[0] | e[1] | e[2]) == kNone) return placed;
-  placed.edges = static_cast<std::uint16_t>(1u << e[0] | 1u << e[1] | 1u << e[2]);
-  placed.across =
-      static_cast<std::uint16_t>(kAcross[e[0]][e[1]] | kAcross[e[1]][e[2]] | kAcross[e[2]][e[0]]);
-  placed.holds = std::popcount(placed.edges) == 3;
-  return placed;
+  const std::uint32_t edges = (1u << e[0] | 1u << e[1] | 1u << e[2]) & kAllEdges;
+  return {
+      cell, static_cast<std::uint16_t>(edges),
+      static_cast<std::uint16_t>(kAcross[e[0]][e[1]] | kAcross[e[1]][e[2]] | kAcross[e[2]][e[0]]),
+      (offsets & ~kOnes) == 0 && std::popcount(edges) == 3};
 }
 
 // The mesh, and the grid edges of its vertices.
@@ -243,7 +229,7 @@ VDWMESH_MULTIVERSION CellsFound search_cells(const PlacedMesh& mesh, std::size_t
 std::optional<TrianglePairs> pairs_within_cells(const IndexedMesh& mesh, const GridSpec& grid,
                                                 Monitor* monitor) {
   const Planes planes(grid);
-  if (mesh.triangles.empty() || !planes.are_apart()) return std::nullopt;
+  if (mesh.triangles.empty()) return std::nullopt;
   PlacedMesh placed(mesh);
   if (!placed.place_vertices(planes)) return std::nullopt;
   CellsFound all;

@@ -2,8 +2,8 @@
 // cubes leaves to the search for self-intersections.
 //
 // Nothing is taken on trust: the coordinates of the vertices are compared with the planes of the
-// lattice, bit by bit. The planes of an axis are doubles that rise strictly, so they divide space
-// into boxes, the cells, whose coordinates are exact. Let all of this be found:
+// lattice, bit by bit. The planes of an axis are doubles that never fall, so they divide space into
+// boxes, the cells, whose coordinates are exact. Let all of this be found:
 //   1. Every vertex lies strictly within a grid edge: two of its coordinates are planes, the third
 //      is strictly between two consecutive ones.
 //   2. Every triangle has its vertices on three edges of one cell.
@@ -11,10 +11,18 @@
 //      cells, are four times the number of vertices.
 //   4. If a side of a triangle joins two opposite edges of a face of its cell, no triangle of the
 //      cell has a vertex on the other two edges of this face.
+// The lattice has no end; how many cells the grid has does not matter.
+//
 // No triangle lies in a face: of three edges of a face two are opposite, which 4 forbids. Four
 // cells are around a grid edge, so the sum in 3 is at most four times the number of edges that have
 // vertices. As it is four times the number of vertices, every vertex has an edge of its own, and
 // triangles in all four cells around it.
+//
+// Planes whose coordinates are rounded to the same number do no harm. The index of a vertex's plane
+// depends on the coordinate alone, so a cell between two such planes has vertices in one of the two
+// faces only and, as nothing is strictly between them, no triangle. A vertex in a face of this cell
+// would thus lack one of its four cells. So where planes are one, no vertex is: cells that meet
+// there have no triangles that reach there, and all cells with triangles are boxes.
 //
 // Then two triangles of different cells have nothing in common but a vertex or a side that they
 // share by index, so no such pair counts as an intersection. A cell is convex, so what a triangle

@@ -24,35 +24,24 @@ Buffer<BoxNode> make_level(std::size_t count, const BoxOf& scaled_box_of) {
 }  // namespace
 
 BoxTree::BoxTree(std::uint32_t count, const Box& world,
-                 const std::function<Box(std::uint32_t)>& box_of, std::uint32_t together)
+                 const std::function<Box(std::uint32_t)>& box_of)
     : view_(view_in(world)) {
-  sort(count, box_of, together);
+  sort(count, box_of);
   make_levels(box_of);
   view_.order = order_.data();
   view_.level_count = static_cast<int>(levels_.size());
   for (std::size_t l = 0; l < levels_.size(); ++l) view_.levels[l] = levels_[l].data();
 }
 
-// Sorts items of `together` primitives. The last primitives, if less than an item, come last.
-void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of,
-                   std::uint32_t together) {
-  const std::uint32_t items = count / together;
-  const MortonKeys morton(items);
-  Buffer<std::uint64_t> keys(items);
-  for_all(items, [&](std::size_t i) {
-    const std::uint32_t first = together * static_cast<std::uint32_t>(i);
-    Box box = box_of(first);
-    for (std::uint32_t k = 1; k < together; ++k) include(box, box_of(first + k));
-    keys[i] = morton.key(i, scaled(view_, middle(box)));
+void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of) {
+  const MortonKeys morton(count);
+  Buffer<std::uint64_t> keys(count);
+  for_all(count, [&](std::size_t i) {
+    keys[i] = morton.key(i, scaled(view_, middle(box_of(static_cast<std::uint32_t>(i)))));
   });
   sort_keys({keys.data(), keys.size()}, morton.index_bits());
   order_.resize(count);
-  for_each_index(items, [&](std::size_t i) {
-    for (std::uint32_t k = 0; k < together; ++k) {
-      order_[together * i + k] = together * morton.index(keys[i]) + k;
-    }
-  });
-  for (std::uint32_t i = together * items; i < count; ++i) order_[i] = i;
+  for_each_index(count, [&](std::size_t i) { order_[i] = morton.index(keys[i]); });
 }
 
 void BoxTree::make_levels(const std::function<Box(std::uint32_t)>& box_of) {

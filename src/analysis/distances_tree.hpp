@@ -16,11 +16,8 @@ namespace vdwmesh {
 class BoxTree {
  public:
   // box_of(i) returns the box of primitive i < count, Å; several threads call it at the same time.
-  // Every `together` consecutive primitives, beginning with primitive 0, are sorted as one; if they
-  // are near each other this is faster, and searches find the same. Precondition: all boxes and all
-  // later query points are in `world`, and count and `together` are above 0.
-  BoxTree(std::uint32_t count, const Box& world, const std::function<Box(std::uint32_t)>& box_of,
-          std::uint32_t together = 1);
+  // Precondition: all boxes and all later query points are in `world`, and count is above 0.
+  BoxTree(std::uint32_t count, const Box& world, const std::function<Box(std::uint32_t)>& box_of);
 
   BoxTree(const BoxTree&) = delete;
   BoxTree& operator=(const BoxTree&) = delete;
@@ -36,8 +33,7 @@ class BoxTree {
   static std::uint64_t bytes(std::uint64_t count) { return 16 * count + 4096; }
 
  private:
-  void sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of,
-            std::uint32_t together);
+  void sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of);
   void make_levels(const std::function<Box(std::uint32_t)>& box_of);
 
   Buffer<std::uint32_t> order_;          // primitives in Morton order

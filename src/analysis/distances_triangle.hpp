@@ -3,6 +3,7 @@
 // These functions are the inner loop of the distance search. Coordinates are in Å, results in Å².
 #pragma once
 
+#include "analysis/triangle_points.hpp"
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
 
@@ -70,6 +71,9 @@ VDWMESH_HD inline double squared_distance_to_triangle(const Vec3d& p, const Vec3
   // p is above or below the face: its distance from the plane is |normal · ap| / |normal|.
   const double height = plain_dot(normal, ap);
   return height * height / area;
+}
+VDWMESH_HD inline double squared_distance_to(const Vec3d& p, const Corners& t) {
+  return squared_distance_to_triangle(p, t.a, t.b, t.c);
 }
 
 }  // namespace vdwmesh

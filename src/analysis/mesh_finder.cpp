@@ -8,6 +8,9 @@
 // need that. The result is the least of all triangles' distances, so it does not depend, to the
 // last bit, on groups and reaches.
 //
+// The children of a divided triangle, which are near each other, are one primitive of the tree: it
+// has a quarter of the boxes, and the six vertices of four triangles are fetched once.
+//
 // Where only the largest distance matters, a point is searched for only if the triangle that was
 // nearest to a point before it is farther than the largest distance so far. Otherwise some triangle
 // is as near as that, so the point cannot raise the maximum.
@@ -19,9 +22,9 @@
 #include <limits>
 #include <vector>
 
+#include "analysis/distances_triangle.hpp"
 #include "analysis/mesh_area.hpp"
 #include "analysis/triangle_runs.hpp"
-#include "analysis/triangle_search.hpp"
 #include "core/morton.hpp"
 #include "core/multiversion.hpp"
 #include "surface/box.hpp"
@@ -115,10 +118,26 @@ class NodeList {
   std::array<std::uint32_t, kMostListed> index_;
 };
 
+// The triangles of a mesh as the primitives of its tree: runs of `length` consecutive ones.
+struct TriangleRuns {
+  const IndexedMesh& mesh;
+  std::uint32_t length;
+
+  // Calls visit(triangle, squared distance of p) for each triangle of a run.
+  template <class Visit>
+  void measure(std::uint32_t run, const Vec3d& p, Visit&& visit) const {
+    const std::size_t first = std::size_t{length} * run,
+                      end = std::min(first + length, mesh.triangle_count());
+    for (std::size_t t = first; t < end; ++t) {
+      visit(static_cast<std::uint32_t>(t), squared_distance_to(p, corners_of(mesh, t)));
+    }
+  }
+};
+
 // The search for consecutive points.
 class TriangleSearch {
  public:
-  TriangleSearch(const IndexedMesh& mesh, const BoxTreeView& tree) : mesh_(mesh), tree_(tree) {}
+  TriangleSearch(const TriangleRuns& runs, const BoxTreeView& tree) : runs_(runs), tree_(tree) {}
 
   void find(std::span<const Vec3d> group, double* found) {
     Box box{group[0], group[0]};
@@ -139,55 +158,61 @@ class TriangleSearch {
   // `largest`. The root of the least of all squares is at most the root of any of them, as computed
   // too, since a rounded root keeps the order of its arguments.
   double raise(const Vec3d& p, double largest) {
-    double squared = squared_distance_to(p, corners_of(mesh_, nearest_));
+    double squared = to_nearest(p);
     bool is_near = std::sqrt(squared) <= largest;
     if (is_near) return largest;
-    visit_nearest(tree_, tree_.query(p), squared, [&](std::uint32_t t, double& best) {
-      const double here = squared_distance_to(p, corners_of(mesh_, t));
-      if (!(here < best)) return;
-      nearest_ = t;
-      is_near = std::sqrt(here) <= largest;
-      best = is_near ? -1 : here;
+    visit_nearest(tree_, tree_.query(p), squared, [&](std::uint32_t run, double& best) {
+      if (!lower(run, p, best)) return;
+      is_near = std::sqrt(best) <= largest;
+      if (is_near) best = -1;
     });
     return is_near ? largest : std::sqrt(squared);
   }
 
  private:
+  double to_nearest(const Vec3d& p) const {
+    return squared_distance_to(p, corners_of(runs_.mesh, nearest_));
+  }
+  // Lowers `best` to the squared distance of p from the run, and returns whether that is less.
+  bool lower(std::uint32_t run, const Vec3d& p, double& best) {
+    const double before = best;
+    runs_.measure(run, p, [&](std::uint32_t t, double here) {
+      if (here < best) best = here, nearest_ = t;
+    });
+    return best < before;
+  }
   double in_tree(const Vec3d& p) {
-    const auto corners = [&](std::uint32_t t) { return corners_of(mesh_, t); };
-    return nearest_triangle(tree_, corners, p, nearest_);
+    double squared = to_nearest(p);
+    visit_nearest(tree_, tree_.query(p), squared,
+                  [&](std::uint32_t run, double& best) { lower(run, p, best); });
+    return squared;
   }
   double in_list(const Vec3d& p) {
     double squared = reach_ * reach_;
     bool any = false;
-    list_.visit_near(tree_, p, squared, [&](std::uint32_t t, double& best) {
-      const double here = squared_distance_to(p, corners_of(mesh_, t));
-      if (!(here < best)) return;
-      best = here;
-      nearest_ = t;
-      any = true;
-    });
+    list_.visit_near(tree_, p, squared,
+                     [&](std::uint32_t run, double& best) { any |= lower(run, p, best); });
     return any ? squared : in_tree(p);
   }
 
-  const IndexedMesh& mesh_;
+  TriangleRuns runs_;
   const BoxTreeView& tree_;
   NodeList list_;
   double reach_ = 0;           // Å
   std::uint32_t nearest_ = 0;  // the triangle nearest to the last point
 };
 
-VDWMESH_MULTIVERSION void find_all(const IndexedMesh& mesh, const BoxTreeView& tree,
+VDWMESH_MULTIVERSION void find_all(const TriangleRuns& runs, const BoxTreeView& tree,
                                    std::span<const Vec3d> points, double* found) {
-  TriangleSearch search(mesh, tree);
+  TriangleSearch search(runs, tree);
   for (std::size_t first = 0; first < points.size(); first += kGroup) {
     search.find(points.subspan(first, std::min(kGroup, points.size() - first)), found + first);
   }
 }
 
-VDWMESH_MULTIVERSION double raise_all(const IndexedMesh& mesh, const BoxTreeView& tree,
+VDWMESH_MULTIVERSION double raise_all(const TriangleRuns& runs, const BoxTreeView& tree,
                                       std::span<const Vec3d> points, double largest) {
-  TriangleSearch search(mesh, tree);
+  TriangleSearch search(runs, tree);
   for (const Vec3d& p : points) largest = search.raise(p, largest);
   return largest;
 }
@@ -219,10 +244,12 @@ std::vector<std::uint32_t> along_curve(std::span<const Vec3d> points) {
 
 MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
     : mesh_(mesh),
-      tree_(
-          static_cast<std::uint32_t>(mesh.triangle_count()), world,
-          [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); },
-          static_cast<std::uint32_t>(triangles_together(mesh))) {}
+      run_(static_cast<std::uint32_t>(triangles_together(mesh))),
+      tree_(static_cast<std::uint32_t>((mesh.triangle_count() + run_ - 1) / run_), world,
+            [&](std::uint32_t run) {
+              const std::size_t first = std::size_t{run_} * run;
+              return box_of_triangles(mesh, first, std::min(first + run_, mesh.triangle_count()));
+            }) {}
 
 // The points are searched in their order along the Z-order curve, in which a group of them is in
 // about the smallest box. The distance of a point does not depend on the others.
@@ -231,12 +258,12 @@ void MeshFinder::find(std::span<const Vec3d> points, double* found) const {
   std::vector<Vec3d> sorted(points.size());
   for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = points[order[i]];
   std::vector<double> distance(points.size());
-  find_all(mesh_, tree_.view(), sorted, distance.data());
+  find_all({mesh_, run_}, tree_.view(), sorted, distance.data());
   for (std::size_t i = 0; i < order.size(); ++i) found[order[i]] = distance[i];
 }
 
 double MeshFinder::largest_distance(std::span<const Vec3d> points, double largest) const {
-  return raise_all(mesh_, tree_.view(), points, largest);
+  return raise_all({mesh_, run_}, tree_.view(), points, largest);
 }
 
 }  // namespace vdwmesh

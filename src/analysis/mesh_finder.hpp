@@ -23,6 +23,7 @@ class MeshFinder {
 
  private:
   const IndexedMesh& mesh_;
+  std::uint32_t run_;  // consecutive triangles that are one primitive of the tree
   BoxTree tree_;
 };
 

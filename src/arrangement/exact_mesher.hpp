@@ -49,6 +49,10 @@ struct ExactMeshOptions {
   double min_angle = 0;
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   DeviceWork device_work = DeviceWork::balanced;
+  // Bytes, for the CUDA backend; the mesh does not depend on them. What a device keeps of the mesh,
+  // and the batches of patches that it works on, fit in these and in its free memory. Patches that
+  // it cannot keep travel to the host batch by batch.
+  std::uint64_t device_memory = kNoMemoryLimit;
   Monitor* monitor = nullptr;
 };
 
@@ -73,6 +77,10 @@ struct ExactMeshStats {
   // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU. How
   // many a device gets depends on the number of the host's cores (DeviceWork).
   std::uint64_t device_patches = 0, left_patches = 0;
+  // The batches in which a CUDA device meshed its patches, and how many of these patches it could
+  // not keep until all vertices had their numbers, for want of memory: they came to the host at
+  // once. Both are 0 on the CPU.
+  std::uint64_t device_batches = 0, returned_patches = 0;
   // Triangles with an angle below ExactMeshOptions::min_angle: near sharp corners, and elsewhere,
   // because the limits on the rounds or on the pieces of an arc, or on how short a piece may be,
   // have ended the search for better ones.

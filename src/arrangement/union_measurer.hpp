@@ -31,11 +31,11 @@ class UnionMeasurer {
   virtual ~UnionMeasurer() = default;
   // Measures each ball as method arcs of exact_union() does. Backends differ by rounding: 1e-12 of
   // the whole sphere's area, and of the ball's volume. A backend gives the same bits at every call
-  // with the same batch. On a device the order in which planes of nearly equal distance are cut,
-  // and with it the last digits, may depend on the smallest radius of the batch. Overwrites
-  // `result` and reuses its memory. Throws InvalidInput for an empty set, for offsets that break
-  // the rule above, for spheres that no SphereSet accepts, and on the CPU for spheres in device
-  // memory; DeviceMemoryExceeded; Cancelled.
+  // with the same batch, and gives a ball that is not measured by a triangulation the same bits in
+  // every set that has the balls overlapping it. Overwrites `result` and reuses its memory. Throws
+  // InvalidInput for an empty set, for offsets that break the rule above, for spheres that no
+  // SphereSet accepts, and on the CPU for spheres in device memory; DeviceMemoryExceeded;
+  // Cancelled.
   virtual void measure_into(BatchMeasures& result, const SphereBatch& batch,
                             Monitor* monitor = nullptr) const = 0;
   BatchMeasures measure(const SphereBatch& batch, Monitor* monitor = nullptr) const {

@@ -15,6 +15,12 @@ struct ChosenSpheres {
   std::vector<SphereId> ids;  // [i]: of spheres[i] in the whole set
 };
 
+// Fills `spheres` with the spheres of the set that have the ids.
+inline void copy_spheres(const SphereSet& set, ChosenSpheres& chosen) {
+  chosen.spheres.resize(chosen.ids.size());
+  for_each_index(chosen.ids.size(), [&](std::size_t i) { chosen.spheres[i] = set[chosen.ids[i]]; });
+}
+
 // Chooses the spheres for which is_chosen(id, sphere) is true, which all cores ask in no particular
 // order.
 template <class IsChosen>
@@ -24,9 +30,7 @@ ChosenSpheres choose(const SphereSet& spheres, const IsChosen& is_chosen) {
     const auto id = static_cast<SphereId>(i);
     if (is_chosen(id, spheres[i])) found.push_back(id);
   });
-  chosen.spheres.resize(chosen.ids.size());
-  for_each_index(chosen.ids.size(),
-                 [&](std::size_t i) { chosen.spheres[i] = spheres[chosen.ids[i]]; });
+  copy_spheres(spheres, chosen);
   return chosen;
 }
 

@@ -1,8 +1,9 @@
 // join_components(): a rank has sets of connected spheres, of its share and of those near it. It
-// leaves out a set without a sphere of the share, because another rank has all of it. In the
-// remaining sets, a sphere of another share is on the border. All ranks get the list of these
-// spheres, and say which of their sets they are in. Sets with a sphere in common are one
-// (joined_sets.hpp).
+// leaves out a set without a sphere of the share, because another rank has all of it. It tells the
+// owners of the other spheres in the remaining sets which set they are in. An owner thereby learns
+// which sets of other ranks are parts of its own, and the first rank joins all that are
+// (joined_sets.hpp). So border spheres, of which there are many, go to one rank each, and the first
+// rank gets a few pairs of sets.
 #include "distributed/components_together.hpp"
 
 #include <algorithm>
@@ -18,6 +19,12 @@
 namespace vdwmesh {
 namespace {
 
+// A sphere of another rank's share, and the set that it is in on this rank.
+struct SphereInSet {
+  SphereId id;
+  std::uint32_t set;
+};
+
 class BallSets {
  public:
   BallSets(const Ranks& ranks, const SphereShare& share,
@@ -31,43 +38,47 @@ class BallSets {
     return static_cast<std::uint64_t>(std::ranges::count(has_own_, 1));
   }
 
-  // Puts the spheres of other shares in these sets on the border. Returns their ids in the whole.
-  std::vector<SphereId> add_others() {
-    std::vector<SphereId> others;
-    for (std::size_t i = 0, own = 0; i < share_.near.ids.size(); ++i) {
-      if (own < share_.own.size() && share_.own[own] == i) {
-        ++own;
-      } else if (add(static_cast<SphereId>(i))) {
-        others.push_back(share_.near.ids[i]);
+  // For each rank, the spheres of its share that are here in sets with spheres of this share.
+  std::vector<std::vector<SphereInSet>> for_owners() const {
+    std::vector<std::vector<SphereInSet>> found(static_cast<std::size_t>(ranks_.count()));
+    for (std::size_t i = 0; i < share_.near.ids.size(); ++i) {
+      if (share_.owner[i] == static_cast<std::uint32_t>(ranks_.number())) continue;
+      const std::uint32_t set = set_of_(static_cast<SphereId>(i));
+      if (has_own_[set] != 0) found[share_.owner[i]].push_back({share_.near.ids[i], set});
+    }
+    return found;
+  }
+
+  // Which sets of other ranks have spheres of this share in them, and so are parts of sets here: a
+  // border element for each two sets. The element is the set here. Many spheres say the same.
+  std::vector<BorderElement> border(const std::vector<std::vector<SphereInSet>>& from_each) const {
+    std::vector<BorderElement> border;
+    for (std::size_t rank = 0; rank < from_each.size(); ++rank) {
+      for (const auto& [id, set] : from_each[rank]) {
+        const auto here = std::ranges::lower_bound(share_.near.ids, id);
+        const auto i = static_cast<SphereId>(here - share_.near.ids.begin());
+        border.push_back({name(ranks_.number(), set_of_(i)), name(static_cast<int>(rank), set)});
       }
     }
-    return others;
-  }
-
-  // Puts the spheres of the share that others have named, in any order, on the border.
-  void add_own(std::vector<SphereId> named) {
-    std::ranges::sort(named);
-    for (const SphereId i : share_.own) {
-      if (std::ranges::binary_search(named, share_.near.ids[i])) add(i);
+    std::ranges::sort(border);
+    border.erase(std::ranges::unique(border).begin(), border.end());
+    const std::size_t others = border.size();
+    for (std::size_t i = 0; i < others; ++i) {
+      const std::uint64_t here = border[i].element;
+      if (i == 0 || here != border[i - 1].element) border.push_back({here, here});
     }
+    return border;
   }
-
-  const std::vector<BorderElement>& border() const { return border_; }
 
  private:
-  bool add(SphereId i) {
-    const std::uint32_t set = set_of_(i);
-    if (has_own_[set] == 0) return false;
-    const auto rank = static_cast<std::uint64_t>(ranks_.number());
-    border_.push_back({share_.near.ids[i], rank << 32 | set});
-    return true;
+  static std::uint64_t name(int rank, std::uint32_t set) {
+    return static_cast<std::uint64_t>(rank) << 32 | set;
   }
 
   const Ranks& ranks_;
   const SphereShare& share_;
   const std::function<std::uint32_t(SphereId)>& set_of_;
   std::vector<std::uint8_t> has_own_;  // [set]
-  std::vector<BorderElement> border_;
 };
 
 }  // namespace
@@ -75,16 +86,16 @@ class BallSets {
 std::uint64_t join_components(const Ranks& ranks, const SphereShare& share,
                               const std::function<std::uint32_t(SphereId)>& set_of) {
   std::optional<BallSets> sets;
-  std::vector<SphereId> others;
+  std::vector<std::vector<SphereInSet>> for_owners;
   ranks.together([&] {
     sets.emplace(ranks, share, set_of);
-    others = sets->add_others();
+    for_owners = sets->for_owners();
   });
-  std::vector<SphereId> named = ranks.collect(std::span<const SphereId>(others));
-  ranks.share(named);
-  ranks.together([&] { sets->add_own(std::move(named)); });
+  const std::vector<std::vector<SphereInSet>> from_each = ranks.exchange(for_owners);
+  std::vector<BorderElement> own_border;
+  ranks.together([&] { own_border = sets->border(from_each); });
   const std::uint64_t all_sets = ranks.sum(sets->count());
-  std::vector<BorderElement> border = ranks.collect(std::span(sets->border()));
+  std::vector<BorderElement> border = ranks.collect(std::span<const BorderElement>(own_border));
   std::uint64_t components = 0;
   ranks.together([&] {
     if (ranks.is_first()) components = JoinedSets(std::move(border)).count(all_sets);

@@ -1,6 +1,7 @@
 // Sets of which every rank knows parts. Parts that have an element in common are parts of one set.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -12,6 +13,8 @@ namespace vdwmesh {
 // An element on a border, and a set that it is in. Both are names, of any values.
 struct BorderElement {
   std::uint64_t element, set;
+
+  friend auto operator<=>(const BorderElement&, const BorderElement&) = default;
 };
 
 // The sets of border elements, of which all that share an element are made one.

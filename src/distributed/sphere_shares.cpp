@@ -3,9 +3,13 @@
 // part if its interval along the axis meets that of the part.
 #include "distributed/sphere_shares.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
+#include <utility>
 
 #include "distributed/layers.hpp"
 #include "surface/box.hpp"
@@ -47,6 +51,91 @@ void join_extents(const Ranks& ranks, std::vector<PartExtent>& parts) {
   ranks.share(parts);
 }
 
+void add_to(std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& terms) {
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += terms[i];
+}
+
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& arrays) {
+  std::vector<T> all;
+  std::size_t size = 0;
+  for (const std::vector<T>& array : arrays) size += array.size();
+  all.reserve(size);
+  for (const std::vector<T>& array : arrays) all.insert(all.end(), array.begin(), array.end());
+  return all;
+}
+
+// What work(i, block i) returns for all blocks, which all cores take.
+template <class Work>
+auto of_each(std::vector<SphereBlock>& blocks, const Work& work) {
+  std::vector<std::invoke_result_t<const Work&, std::size_t, SphereBlock&>> results(blocks.size());
+  tbb::parallel_for(std::size_t{0}, blocks.size(),
+                    [&](std::size_t i) { results[i] = work(i, blocks[i]); });
+  return results;
+}
+
+// The run of spheres that a rank looks at, as blocks for its cores. Nothing depends on where one
+// block ends and the next one begins.
+class OwnBlocks {
+ public:
+  OwnBlocks(const Ranks& ranks, const SphereSet& spheres)
+      : parts_(static_cast<std::size_t>(ranks.count())) {
+    constexpr std::size_t kSpheresPerBlock = std::size_t{1} << 17;
+    const std::vector<std::uint64_t> begins = even_runs(spheres.size(), parts_);
+    const auto rank = static_cast<std::size_t>(ranks.number());
+    const std::size_t end = begins[rank + 1];
+    for (std::size_t first = begins[rank]; first < end; first += kSpheresPerBlock) {
+      blocks_.emplace_back(spheres, first, std::min(first + kSpheresPerBlock, end), parts_);
+    }
+  }
+
+  // Each of these is what one block of all these spheres would return.
+  Box box_of_centers() {
+    return join_boxes(
+        of_each(blocks_, [](std::size_t, SphereBlock& b) { return b.box_of_centers(); }));
+  }
+  std::vector<std::uint64_t> count_layers(const Box& box) {
+    counts_ = of_each(blocks_, [&](std::size_t, SphereBlock& b) { return b.count_layers(box); });
+    std::vector<std::uint64_t> sums(LayerScale::kLayers);
+    for (const std::vector<std::uint64_t>& counts : counts_) add_to(sums, counts);
+    return sums;
+  }
+  std::vector<PartExtent> divide(std::span<const std::uint64_t> all,
+                                 std::vector<std::uint64_t> before) {
+    std::vector<std::vector<std::uint64_t>> before_each;
+    for (const std::vector<std::uint64_t>& counts : counts_) {
+      before_each.push_back(before);
+      add_to(before, counts);
+    }
+    std::vector<PartExtent> parts(parts_);
+    for (const std::vector<PartExtent>&of_block :
+         of_each(blocks_,
+                 [&](std::size_t i, SphereBlock&b) { return b.divide(all, before_each[i]); })) {
+      for (std::size_t part = 0; part < parts_; ++part) parts[part].add(of_block[part]);
+    }
+    return parts;
+  }
+  std::vector<std::vector<NamedSphere>> choose(std::span<const PartExtent> parts) {
+    std::vector<std::vector<std::vector<NamedSphere>>> by_part(
+        parts_, std::vector<std::vector<NamedSphere>>(blocks_.size()));
+    of_each(blocks_, [&](std::size_t i, SphereBlock& b) {
+      std::vector<std::vector<NamedSphere>> chosen = b.choose(parts);
+      for (std::size_t part = 0; part < parts_; ++part) {
+        by_part[part][i] = std::move(chosen[part]);
+      }
+      return 0;
+    });
+    std::vector<std::vector<NamedSphere>> all;
+    for (const auto& of_part : by_part) all.push_back(joined(of_part));
+    return all;
+  }
+
+ private:
+  std::size_t parts_;
+  std::vector<SphereBlock> blocks_;
+  std::vector<std::vector<std::uint64_t>> counts_;  // by block and layer
+};
+
 }  // namespace
 
 void PartExtent::add(const PartExtent& other) {
@@ -64,12 +153,12 @@ bool PartExtent::may_touch(const Sphere& s, int axis) const {
   return s.center[axis] + s.radius + slack >= lower && s.center[axis] - s.radius - slack <= upper;
 }
 
-SphereBlock::SphereBlock(const SphereSet& spheres, std::size_t block, std::size_t parts)
-    : all_(spheres.size()), parts_(parts) {
-  const std::vector<std::uint64_t> begins = even_runs(all_, parts);
-  first_ = begins[block];
-  spheres_ = spheres.spheres().subspan(first_, begins[block + 1] - first_);
-}
+SphereBlock::SphereBlock(const SphereSet& spheres, std::size_t first, std::size_t end,
+                         std::size_t parts)
+    : first_(first),
+      all_(spheres.size()),
+      parts_(parts),
+      spheres_(spheres.spheres().subspan(first, end - first)) {}
 
 Box SphereBlock::box_of_centers() const {
   Box box = empty_box();
@@ -81,6 +170,7 @@ std::vector<std::uint64_t> SphereBlock::count_layers(const Box& box) {
   axis_ = longest_axis(box);
   const LayerScale scale(box, axis_);
   std::vector<std::uint64_t> counts(LayerScale::kLayers);
+  layers_.reserve(spheres_.size());
   for (const Sphere& s : spheres_) {
     layers_.push_back(static_cast<std::uint16_t>(scale.layer_of(s)));
     ++counts[layers_.back()];
@@ -95,6 +185,7 @@ std::vector<PartExtent> SphereBlock::divide(std::span<const std::uint64_t> all,
   for (std::size_t layer = 0; layer < next.size(); ++layer) next[layer] += before[layer];
   const std::vector<std::uint64_t> begins = even_runs(all_, parts_);
   std::vector<PartExtent> parts(parts_);
+  owners_.reserve(spheres_.size());
   for (std::size_t i = 0; i < spheres_.size(); ++i) {
     const std::uint64_t number = next[layers_[i]]++;
     const auto behind = std::ranges::upper_bound(begins, number);
@@ -105,49 +196,71 @@ std::vector<PartExtent> SphereBlock::divide(std::span<const std::uint64_t> all,
   return parts;
 }
 
-std::vector<std::vector<SentSphere>> SphereBlock::choose(std::span<const PartExtent> parts) const {
-  std::vector<std::vector<SentSphere>> chosen(parts.size());
+// From the part of a sphere on, parts are asked until a sphere cannot touch those that are left,
+// joined to one extent, which reaches as far as any of theirs. So a sphere asks a few of many
+// parts.
+std::vector<std::vector<NamedSphere>> SphereBlock::choose(std::span<const PartExtent> parts) const {
+  std::vector<PartExtent> up_to(parts.begin(), parts.end()), from = up_to;
+  for (std::size_t part = 1; part < parts_; ++part) {
+    up_to[part].add(up_to[part - 1]);
+    from[parts_ - 1 - part].add(from[parts_ - part]);
+  }
+  std::vector<std::vector<NamedSphere>> chosen(parts_);
   for (std::size_t i = 0; i < spheres_.size(); ++i) {
     const auto id = static_cast<SphereId>(first_ + i);
-    for (std::size_t part = 0; part < parts.size(); ++part) {
-      if (!parts[part].may_touch(spheres_[i], axis_)) continue;
-      chosen[part].push_back({spheres_[i], id, owners_[i] == part ? 1u : 0u});
+    const auto touches = [&](const PartExtent& extent) {
+      return extent.may_touch(spheres_[i], axis_);
+    };
+    const std::size_t owner = owners_[i];
+    const NamedSphere named{id, owners_[i]};
+    chosen[owner].push_back(named);
+    for (std::size_t part = owner; part-- > 0 && touches(up_to[part]);) {
+      if (touches(parts[part])) chosen[part].push_back(named);
+    }
+    for (std::size_t part = owner + 1; part < parts_ && touches(from[part]); ++part) {
+      if (touches(parts[part])) chosen[part].push_back(named);
     }
   }
   return chosen;
 }
 
-SphereShare gather_share(const std::vector<std::vector<SentSphere>>& from_each) {
+SphereShare gather_share(std::size_t part, const SphereSet& spheres,
+                         const std::vector<std::vector<NamedSphere>>& from_each) {
+  const std::vector<NamedSphere> all = joined(from_each);
   SphereShare share;
-  for (const std::vector<SentSphere>& from : from_each) {
-    for (const auto& [sphere, id, is_own] : from) {
-      if (is_own != 0) share.own.push_back(static_cast<SphereId>(share.near.ids.size()));
-      share.near.spheres.push_back(sphere);
-      share.near.ids.push_back(id);
-    }
-  }
+  share.near.ids.resize(all.size());
+  share.near.spheres.resize(all.size());
+  share.owner.resize(all.size());
+  for_each_index(all.size(), [&](std::size_t i) {
+    share.near.ids[i] = all[i].id;
+    share.near.spheres[i] = spheres[all[i].id];
+    share.owner[i] = all[i].owner;
+  });
+  share.own = collect<SphereId>(all.size(), [&](std::size_t i, std::vector<SphereId>& own) {
+    if (all[i].owner == part) own.push_back(static_cast<SphereId>(i));
+  });
   return share;
 }
 
 SphereShare share_of_spheres(const Ranks& ranks, const SphereSet& spheres) {
-  SphereBlock block(spheres, static_cast<std::size_t>(ranks.number()),
-                    static_cast<std::size_t>(ranks.count()));
-  const Box box = join_boxes(ranks.of_all(block.box_of_centers()));
+  OwnBlocks blocks(ranks, spheres);
+  const Box box = join_boxes(ranks.of_all(blocks.box_of_centers()));
   std::vector<std::uint64_t> all, before;
   ranks.together([&] {
-    all = block.count_layers(box);
+    all = blocks.count_layers(box);
     before = all;
   });
   ranks.add_up(all);
   ranks.add_up_before(before);
   std::vector<PartExtent> parts;
-  ranks.together([&] { parts = block.divide(all, before); });
+  ranks.together([&] { parts = blocks.divide(all, std::move(before)); });
   join_extents(ranks, parts);
-  std::vector<std::vector<SentSphere>> sent;
-  ranks.together([&] { sent = block.choose(parts); });
-  const std::vector<std::vector<SentSphere>> received = ranks.exchange(sent);
+  std::vector<std::vector<NamedSphere>> named;
+  ranks.together([&] { named = blocks.choose(parts); });
+  const std::vector<std::vector<NamedSphere>> told = ranks.exchange(named);
   SphereShare share;
-  ranks.together([&] { share = gather_share(received); });
+  ranks.together(
+      [&] { share = gather_share(static_cast<std::size_t>(ranks.number()), spheres, told); });
   return share;
 }
 

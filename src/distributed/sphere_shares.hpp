@@ -3,8 +3,8 @@
 // The spheres are numbered layer by layer across the longest axis of the set, in their order within
 // a layer, and each part has a run of these numbers. The parts have equal numbers of spheres, but
 // for one. They lie one behind the other along the axis, so that few spheres are near to two parts.
-// No rank looks at all spheres: each looks at a block of them and sends its spheres to the parts
-// that need them.
+// No rank looks at all spheres: each looks at a run of them, in blocks that its cores take, and
+// tells the parts which of these they need. Ids are enough, since every rank has the whole set.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,9 @@
 namespace vdwmesh {
 
 struct SphereShare {
-  ChosenSpheres near;         // the share, and all spheres that overlap or touch one of it
-  std::vector<SphereId> own;  // the share, as indices of near.spheres, ascending
+  ChosenSpheres near;                // the share, and all spheres that overlap or touch one of it
+  std::vector<SphereId> own;         // the share, as indices of near.spheres, ascending
+  std::vector<std::uint32_t> owner;  // [i]: the part that has near.spheres[i] in its share
 };
 
 // The share of this rank. It is empty if there are fewer spheres than ranks. Precondition: the set
@@ -37,18 +38,18 @@ struct PartExtent {
   bool may_touch(const Sphere& s, int axis) const;
 };
 
-// A sphere as it is sent to a part. `is_own` is 1 if the sphere is in its share, else 0.
-struct SentSphere {
-  Sphere sphere;
+// A sphere as a part is told of it: its id, and the part that has it in its share.
+struct NamedSphere {
   SphereId id;
-  std::uint32_t is_own;
+  std::uint32_t owner;
 };
 
-// One block of the spheres, of as many as there are parts. The functions are called one after the
-// other; each says what it needs from all blocks.
+// A run of the spheres. The functions are called one after the other; each says what it needs from
+// all blocks, which have all spheres together, in their order.
 class SphereBlock {
  public:
-  SphereBlock(const SphereSet& spheres, std::size_t block, std::size_t parts);
+  // The spheres `first` up to `end`, of which each is to be in one of so many parts.
+  SphereBlock(const SphereSet& spheres, std::size_t first, std::size_t end, std::size_t parts);
 
   Box box_of_centers() const;
   // How many spheres of the block each layer has. `box` is around all centres.
@@ -58,7 +59,7 @@ class SphereBlock {
   std::vector<PartExtent> divide(std::span<const std::uint64_t> all,
                                  std::span<const std::uint64_t> before);
   // The spheres that each part needs. `parts` are the extents of the parts, of all blocks together.
-  std::vector<std::vector<SentSphere>> choose(std::span<const PartExtent> parts) const;
+  std::vector<std::vector<NamedSphere>> choose(std::span<const PartExtent> parts) const;
 
  private:
   std::size_t first_, all_, parts_;  // the first sphere of the block; all spheres; all parts
@@ -68,7 +69,8 @@ class SphereBlock {
   std::vector<std::uint32_t> owners_;  // likewise
 };
 
-// What a part has got, [block]: from each block.
-SphereShare gather_share(const std::vector<std::vector<SentSphere>>& from_each);
+// What this part was told, [i]: by rank i.
+SphereShare gather_share(std::size_t part, const SphereSet& spheres,
+                         const std::vector<std::vector<NamedSphere>>& from_each);
 
 }  // namespace vdwmesh

@@ -21,22 +21,6 @@
 namespace vdwmesh {
 namespace {
 
-// The run of bricks of this rank: all, if it is alone.
-KeyRange own_share(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model) {
-  if (ranks.count() == 1) return {};
-  const auto rank = static_cast<std::size_t>(ranks.number());
-  const auto count = static_cast<std::size_t>(ranks.count());
-  std::vector<BrickArea> areas;
-  ranks.together([&] { areas = estimate_bricks(spheres, model, rank, count); });
-  std::vector<BrickArea> all = ranks.collect(std::span<const BrickArea>(areas));
-  std::vector<std::uint64_t> begins;
-  ranks.together([&] {
-    if (ranks.is_first()) begins = cut_bricks(std::move(all), count);
-  });
-  ranks.share(begins);
-  return {begins[rank], rank + 1 < count ? begins[rank + 1] : kNoBrickKey};
-}
-
 // Throws LimitExceeded if the part that a rank has counted does not fit the memory that it is
 // allowed.
 void check_memory(const MeshSize& size, const ExtractOptions& options, std::size_t spheres) {
@@ -58,8 +42,7 @@ void check_memory(const MeshSize& size, const ExtractOptions& options, std::size
 // Throws LimitExceeded if the triangles of this rank may name more vertices than 32 bits tell
 // apart.
 void check_names(const SurfacePart& part) {
-  const HaloVertices halo = part.halo();
-  const std::uint64_t named = halo.before + part.size().vertices + halo.behind;
+  const std::uint64_t named = part.size().vertices + part.halo().behind;
   if (named <= kMaxVertices) return;
   throw LimitExceeded(
       fmt::format("{} vertices of a rank and around it are more than the {} that its triangles "
@@ -68,16 +51,13 @@ void check_names(const SurfacePart& part) {
 }
 
 // Gives the corners of triangles the local numbers of a SurfacePiece. They come counted from the
-// first own vertex, modulo 2^32: own ones have their local numbers already. Most triangles have no
-// others, and these are only read.
+// first own vertex: own ones have their local numbers already. The others are behind them, and only
+// the last triangles have some.
 void name_locally(const HaloVertices& halo, SurfacePiece& piece) {
-  if (halo.before + halo.behind == 0) return;
   const auto [first, begin, own] = piece.numbers.runs().front();
-  const auto number_of = [first = first, end = own + halo.behind](std::uint32_t corner) {
-    return corner < end ? first + corner : first - (kMaxVertices - corner);
-  };
+  const auto number_of = [first = first](std::uint32_t corner) { return first + corner; };
   const auto is_own = [own = own](std::uint32_t corner) { return corner < own; };
-  Buffer<Triangle>& triangles = piece.mesh.triangles;
+  const std::span<Triangle> triangles = std::span(piece.mesh.triangles).last(halo.naming_triangles);
   const std::vector<std::size_t> at_border =
       collect<std::size_t>(triangles.size(), [&](std::size_t t, std::vector<std::size_t>& found) {
         const auto& [a, b, c] = triangles[t];
@@ -115,36 +95,39 @@ void add_up(const Ranks& ranks, ExtractStats& stats) {
 }  // namespace
 
 SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, ExtractOptions options,
-                           Backend backend) {
-  FieldModel model;
+                           Backend backend, IndexedMesh memory) {
   ranks.together([&] {
     if (resolve(backend) == Backend::cuda) {
       share_devices(static_cast<std::size_t>(ranks.number_on_host()));
     }
-    model = make_field_model(options.field, make_grid(spheres, options.grid));
   });
-  CellListFrame frame;  // that of all spheres, which one rank makes for itself
+  options.grid.given = grid_together(ranks, spheres, options.grid);
   options.frame = nullptr;
-  if (ranks.count() > 1) {
+  options.connectivity = Connectivity::triangles;
+  FieldModel model;
+  ranks.together([&] { model = make_field_model(options.field, *options.grid.given); });
+  const bool is_alone = ranks.count() == 1;  // its cell list then makes a frame by itself
+  CellListFrame frame;
+  KeyRange share;
+  ChosenSpheres near;
+  if (!is_alone) {
     frame = frame_together(ranks, spheres, model);
     options.frame = &frame;
+    const std::vector<std::uint64_t> begins = share_bricks(ranks, spheres, model);
+    share = run_of(ranks, begins);
+    near = spheres_near(ranks, spheres, model, begins);
   }
-  const KeyRange share = own_share(ranks, spheres, model);
-  options.grid.given = model.grid;
-  options.connectivity = Connectivity::triangles;
-  const bool is_whole = share.begin == 0 && share.end == kNoBrickKey;
-  ChosenSpheres near;
   std::unique_ptr<SurfacePart> part;
   ranks.together([&] {
-    if (!is_whole) near = spheres_near(spheres, model, share);
     const SphereSet chosen =
-        SphereSet::view(is_whole ? spheres.spheres() : std::span<const Sphere>(near.spheres));
+        SphereSet::view(is_alone ? spheres.spheres() : std::span<const Sphere>(near.spheres));
     part = make_extractor(backend)->count(chosen, share, options);
     check_memory(part->size(), options, chosen.size());
     check_names(*part);
   });
   const MeshSize own = part->size();
   SurfacePiece piece;
+  piece.mesh = std::move(memory);
   piece.numbers = VertexNumbers(static_cast<std::size_t>(ranks.number()));
   piece.numbers.append(ranks.of_all(own.vertices));
   piece.first_triangle = ranks.sum_before(own.triangles);
@@ -153,7 +136,7 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
     const HaloVertices halo = part->halo();
     piece.stats = part->emit({0, piece.first_triangle}, piece.mesh);
     name_locally(halo, piece);
-    if (!is_whole) use_numbers_of_whole(near.ids, piece.mesh);
+    if (!is_alone) use_numbers_of_whole(near.ids, piece.mesh);
   });
   add_up(ranks, piece.stats);
   piece.fallback = ranks.first_text(part->fallback);

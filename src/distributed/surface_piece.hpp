@@ -46,8 +46,9 @@ struct SurfacePiece {
 // those of an extraction and must be the same on all ranks; their connectivity and frame are not
 // looked at, and `memory_limit` is that of one rank. Each rank meshes with this backend; ranks on
 // one host take its CUDA devices in turn. Throws, on all ranks, what Extractor::extract() throws.
-// The mesh does not depend on the number of ranks. Collective.
+// The mesh does not depend on the number of ranks, nor on `memory`, a mesh whose memory the new one
+// takes over. Collective.
 SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, ExtractOptions options,
-                           Backend backend);
+                           Backend backend, IndexedMesh memory = {});
 
 }  // namespace vdwmesh

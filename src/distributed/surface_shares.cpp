@@ -1,15 +1,24 @@
 // Shares of a surface. Each rank samples the surface of some spheres (sample_surface()). The
 // samples of all ranks, sorted by their bricks, are then cut into runs of equal area. The spheres
 // near a run are chosen by z alone, because the keys of bricks rise with z first.
+//
+// No rank looks at all spheres. Each looks at a block of them, joins what it finds with the others,
+// and tells each rank which spheres of its block are near that rank's sample or run.
 #include "distributed/surface_shares.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/append_to_each.hpp"
+#include "core/fixed_blocks.hpp"
 #include "extract/area_estimate.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/bricks/brick.hpp"
+#include "extract/field_list.hpp"
+#include "spheres/level_extent.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -40,15 +49,92 @@ Slab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int6
           origin + spacing * (side * static_cast<double>(last + 1) + 1)};
 }
 
+// The spheres of one of `blocks` blocks, of about equal numbers.
+std::span<const Sphere> block_of(const SphereSet& spheres, std::size_t block, std::size_t blocks) {
+  const std::size_t first = spheres.size() * block / blocks,
+                    end = spheres.size() * (block + 1) / blocks;
+  return spheres.spheres().subspan(first, end - first);
+}
+
+SphereSet own_block(const Ranks& ranks, const SphereSet& spheres) {
+  return SphereSet::view(block_of(spheres, static_cast<std::size_t>(ranks.number()),
+                                  static_cast<std::size_t>(ranks.count())));
+}
+
+// What all ranks have found for this one, each among its own spheres: ascending. Collective.
+std::vector<SphereId> found_for_own(const Ranks& ranks,
+                                    const std::vector<std::vector<SphereId>>& for_each_rank) {
+  std::vector<SphereId> ids;
+  for (const std::vector<SphereId>& from : ranks.exchange(for_each_rank)) {
+    ids.insert(ids.end(), from.begin(), from.end());
+  }
+  return ids;
+}
+
+KeyRange run_at(std::span<const std::uint64_t> begins, std::size_t run) {
+  return {begins[run], run + 1 < begins.size() ? begins[run + 1] : kNoBrickKey};
+}
+
+// The spheres that have an effect on a run of bricks are within a slab. Both ends of the slabs rise
+// from run to run.
+std::vector<Slab> slabs_of_runs(const GridSpec& grid, std::span<const std::uint64_t> begins) {
+  const std::int64_t top = brick_count(grid.cells.z) - 1;
+  std::vector<Slab> slabs;
+  for (std::size_t run = 0; run < begins.size(); ++run) {
+    const KeyRange halo = with_halo(run_at(begins, run), Connectivity::triangles);
+    const std::int64_t last = halo.end == kNoBrickKey ? top : brick_of_key(halo.end).z;
+    slabs.push_back(slab_of_bricks(grid.origin.z, grid.spacing, brick_of_key(halo.begin).z,
+                                   std::min(last, top)));
+  }
+  return slabs;
+}
+
 }  // namespace
 
-std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldModel& model,
-                                       std::size_t part, std::size_t parts) {
-  std::vector<BrickArea> areas;
-  for (const SurfaceSample& sample : sample_surface(spheres, model, part, parts)) {
-    areas.push_back({key_at(model.grid, sample.point), sample.area});
+GridSpec grid_together(const Ranks& ranks, const SphereSet& spheres, const GridOptions& options) {
+  struct Boxes {
+    Box balls = empty_box(), centers = empty_box();
+  };
+  Boxes own;
+  const bool looks = ranks.count() > 1 && !options.given;
+  ranks.together([&] {
+    if (spheres.empty() || !looks) return;
+    const SphereSet block = own_block(ranks, spheres);
+    if (!block.empty()) own = {bounding_box(block), center_bounding_box(block)};
+  });
+  Boxes all;
+  if (looks) {
+    for (const Boxes& boxes : ranks.of_all(own)) {
+      include(all.balls, boxes.balls);
+      include(all.centers, boxes.centers);
+    }
   }
-  return areas;
+  GridSpec grid{};
+  ranks.together([&] {
+    grid = looks && !spheres.empty() ? make_grid(all.balls, all.centers, options)
+                                     : make_grid(spheres, options);
+  });
+  return grid;
+}
+
+CellListFrame frame_together(const Ranks& ranks, const SphereSet& spheres,
+                             const FieldModel& model) {
+  SphereSet block;
+  Buffer<double> reaches;
+  ranks.together([&] {
+    block = own_block(ranks, spheres);
+    reaches = field_reaches(block, model);
+  });
+  const double smallest = std::ranges::min(ranks.of_all(least_of(reaches)));
+  LevelExtents own;
+  ranks.together([&] { own = level_extents(block, reaches, smallest); });
+  LevelExtents all;
+  for (const LevelExtents& extents : ranks.of_all(own)) add(all, extents);
+  CellListFrame frame;
+  ranks.together([&] {
+    if (!spheres.empty()) frame = frame_of(all, smallest);
+  });
+  return frame;
 }
 
 std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t count) {
@@ -68,31 +154,70 @@ std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t 
   return begins;
 }
 
-ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
-                           const KeyRange& range) {
-  const GridSpec& grid = model.grid;
-  const KeyRange halo = with_halo(range);
-  const std::int64_t top = brick_count(grid.cells.z) - 1;
-  const std::int64_t last = halo.end == kNoBrickKey ? top : brick_of_key(halo.end).z;
-  const Slab slab =
-      slab_of_bricks(grid.origin.z, grid.spacing, brick_of_key(halo.begin).z, std::min(last, top));
-  ChosenSpheres near = choose(spheres, [&](SphereId, const Sphere& s) {
-    const double reach = field_reach(model, s.radius) + grid.spacing;
-    return s.center.z + reach >= slab.lower && s.center.z - reach <= slab.upper;
+std::vector<std::uint64_t> share_bricks(const Ranks& ranks, const SphereSet& spheres,
+                                        const FieldModel& model) {
+  const auto rank = static_cast<std::size_t>(ranks.number());
+  const auto count = static_cast<std::size_t>(ranks.count());
+  std::vector<std::vector<SphereId>> for_each;
+  ranks.together([&] { for_each = spheres_near_samples(spheres, model, rank, count); });
+  const std::vector<SphereId> near = found_for_own(ranks, for_each);
+  std::vector<BrickArea> areas;
+  ranks.together([&] {
+    for (const SurfaceSample& sample : sample_surface(spheres, model, rank, count, near)) {
+      areas.push_back({key_at(model.grid, sample.point), sample.area});
+    }
   });
-  if (near.spheres.empty()) near = {{spheres[0]}, {0}};
-  return near;
+  std::vector<BrickArea> all = ranks.collect(std::span<const BrickArea>(areas));
+  std::vector<std::uint64_t> begins;
+  ranks.together([&] {
+    if (ranks.is_first()) begins = cut_bricks(std::move(all), count);
+  });
+  ranks.share(begins);
+  return begins;
 }
 
-CellListFrame frame_together(const Ranks& ranks, const SphereSet& spheres,
-                             const FieldModel& model) {
-  CellListFrame frame;
+KeyRange run_of(const Ranks& ranks, std::span<const std::uint64_t> begins) {
+  return run_at(begins, static_cast<std::size_t>(ranks.number()));
+}
+
+std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
+                                                     const FieldModel& model, std::size_t block,
+                                                     std::span<const std::uint64_t> begins) {
+  using Near = std::vector<std::vector<SphereId>>;  // by run
+  const std::vector<Slab> slabs = slabs_of_runs(model.grid, begins);
+  const std::span<const Sphere> looked_at = block_of(spheres, block, begins.size());
+  if (looked_at.empty()) return Near(begins.size());
+  const auto first_id = static_cast<SphereId>(looked_at.data() - spheres.spheres().data());
+  return join_blocks(
+      looked_at.size(),
+      [&](std::size_t begin, std::size_t end) {
+        Near near(slabs.size());
+        for (std::size_t i = begin; i < end; ++i) {
+          const double reach = field_reach(model, looked_at[i].radius) + model.grid.spacing;
+          const double z = looked_at[i].center.z;
+          auto run = static_cast<std::size_t>(
+              std::ranges::lower_bound(slabs, z - reach, {}, &Slab::upper) - slabs.begin());
+          for (; run < slabs.size() && slabs[run].lower <= z + reach; ++run) {
+            near[run].push_back(first_id + static_cast<SphereId>(i));
+          }
+        }
+        return near;
+      },
+      append_to_each<SphereId>);
+}
+
+ChosenSpheres spheres_near(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model,
+                           std::span<const std::uint64_t> begins) {
+  const auto rank = static_cast<std::size_t>(ranks.number());
+  std::vector<std::vector<SphereId>> for_each;
+  ranks.together([&] { for_each = spheres_near_runs(spheres, model, rank, begins); });
+  ChosenSpheres near;
+  near.ids = found_for_own(ranks, for_each);
   ranks.together([&] {
-    if (ranks.is_first()) frame = make_field_frame(spheres, model);
+    if (near.ids.empty()) near.ids = {0};
+    copy_spheres(spheres, near);
   });
-  frame.smallest_reach = ranks.shared(frame.smallest_reach);
-  ranks.share(frame.levels);
-  return frame;
+  return near;
 }
 
 }  // namespace vdwmesh

@@ -17,29 +17,37 @@
 
 namespace vdwmesh {
 
+// make_grid() and make_field_frame() of the whole set. Each rank looks at a block of the spheres.
+// Collective.
+GridSpec grid_together(const Ranks& ranks, const SphereSet& spheres, const GridOptions& options);
+CellListFrame frame_together(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model);
+
 // Some surface in a brick: part of an estimate.
 struct BrickArea {
   std::uint64_t key;  // brick_key()
   double area;        // Å², at least 0
 };
 
-// Where the surface is, estimated from a sample of one of so many parts of the spheres. The parts
-// together are all spheres. Empty parts have no surface.
-std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldModel& model,
-                                       std::size_t part, std::size_t parts);
-
 // The first keys of `count` runs of about the same area. The first run begins at key 0, and a run
 // ends where the next one begins, the last at kNoBrickKey. Runs may be empty.
 std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t count);
 
-// The spheres that have an effect on the field in the bricks of the range and of its halo. Where
-// there are none, the first sphere of the set stands for them, because many functions refuse an
-// empty set.
-ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
-                           const KeyRange& range);
+// The first keys of the ranks' runs of bricks, cut_bricks() of what all ranks estimate. Collective.
+std::vector<std::uint64_t> share_bricks(const Ranks& ranks, const SphereSet& spheres,
+                                        const FieldModel& model);
 
-// make_field_frame() of the whole set, which the first rank makes for all: it takes an array over
-// all spheres. Collective.
-CellListFrame frame_together(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model);
+// The run of this rank, by the first keys of all runs.
+KeyRange run_of(const Ranks& ranks, std::span<const std::uint64_t> begins);
+
+// The spheres that have an effect on the field in the bricks of a run and in those that its
+// triangles refer to. spheres_near_runs() looks at one of as many blocks of the spheres as there
+// are runs, and returns them by run, ascending. spheres_near() returns those of this rank's run,
+// which all ranks find for it. Where there are none, the first sphere of the set stands for them,
+// because many functions refuse an empty set. The second function is collective.
+std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
+                                                     const FieldModel& model, std::size_t block,
+                                                     std::span<const std::uint64_t> begins);
+ChosenSpheres spheres_near(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model,
+                           std::span<const std::uint64_t> begins);
 
 }  // namespace vdwmesh

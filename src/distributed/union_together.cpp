@@ -4,11 +4,14 @@
 // number of sets of connected spheres (components_together.hpp). A sphere that the arcs cannot
 // measure is a suspect. Suspects are sent to the first rank with the balls around them; it measures
 // them by one triangulation, as one process does.
+//
+// Devices and the CPU differ in the last digits, so either all ranks measure on devices or none.
 #include "distributed/union_together.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -18,6 +21,7 @@
 #include "arrangement/measured_spheres.hpp"
 #include "arrangement/reference_measures.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "distributed/components_together.hpp"
 #include "distributed/sphere_shares.hpp"
 #include "spheres/kept_cell_lists.hpp"
@@ -53,7 +57,9 @@ struct Totals {
 // What one rank finds out.
 struct Part {
   SphereShare share;
-  ArcMeasures arcs;
+  ArcMeasures arcs;                         // of the CPU
+  Buffer<SphereMeasures> on_device;         // in the order of the near spheres
+  std::span<const SphereMeasures> by_near;  // those of the CPU or of the device
   std::vector<SphereId> suspects;           // ids in the whole set
   std::vector<NumberedBall> near_suspects;  // likewise
   Totals totals;                            // without the suspects' areas and volumes
@@ -84,34 +90,106 @@ std::vector<SphereId> spheres_for_arcs(const SphereShare& share, const MeasuredS
   return chosen;
 }
 
+// Names those of the share that were not measured, and the balls near them. `list` is of the near
+// spheres.
+void name_suspects(Part& part, std::span<const SphereId> suspects, const CellListView& list) {
+  const auto& [near, ids] = part.share.near;
+  part.near_suspects = balls_near(list, SphereSet::view(near), suspects);
+  for (NumberedBall& ball : part.near_suspects) ball.id = ids[ball.id];
+  for (const SphereId i : suspects) part.suspects.push_back(ids[i]);
+}
+
 void measure_share(Part& part, const MeasuredSpheres& measured,
                    const UnionTogetherOptions& options) {
-  const auto& [near, ids] = part.share.near;
   const std::vector<SphereId> wanted = spheres_for_arcs(part.share, measured, options.topology);
   if (wanted.empty()) return;
-  const SphereSet near_set = SphereSet::view(near);
+  const SphereSet near = SphereSet::view(part.share.near.spheres);
   const MeasuredSpheres of_share(near.size(), wanted);
   Workspace workspace;
-  arc_measures(part.arcs, near_set,
+  arc_measures(part.arcs, near,
                {.measured = of_share, .topology = options.topology, .monitor = options.monitor},
                workspace);
-  if (part.arcs.suspect.empty()) return;
-  const CellListView& list = ball_list(near_set, workspace);
-  part.near_suspects = balls_near(list, near_set, part.arcs.suspect);
-  for (NumberedBall& ball : part.near_suspects) ball.id = ids[ball.id];
-  for (const SphereId i : part.arcs.suspect) part.suspects.push_back(ids[i]);
+  part.by_near = part.arcs.per_sphere;
+  if (!part.arcs.suspect.empty()) {
+    name_suspects(part, part.arcs.suspect, ball_list(near, workspace));
+  }
+}
+
+// Returns what the device lacks, or an empty text. It measures the near spheres too, which are few.
+std::string measure_share_on_device(Part& part) {
+  const auto& [spheres, own, owner] = part.share;
+  if (own.empty()) return {};
+  const SphereSet near = SphereSet::view(spheres.spheres);
+  DeviceArcs arcs;
+  try {
+    arcs = measure_arcs_on_device(near);
+  } catch (const DeviceMemoryExceeded& error) {
+    return error.what();
+  }
+  part.on_device = std::move(arcs.per_sphere);
+  part.by_near = part.on_device;
+  std::vector<SphereId> suspects;
+  std::ranges::set_intersection(arcs.suspect, own, std::back_inserter(suspects));
+  if (!suspects.empty()) {
+    Workspace workspace;
+    name_suspects(part, suspects, ball_list(near, workspace));
+  }
+  return {};
 }
 
 void add_up(Part& part, const MeasuredSpheres& measured, const UnionTogetherOptions& options) {
   part.totals.patches = part.arcs.sums;
-  for (const SphereId i : part.share.own) {
-    const SphereId id = part.share.near.ids[i];
-    if (!measured.contains(id) || std::ranges::binary_search(part.arcs.suspect, i)) continue;
-    part.totals.add(part.arcs.per_sphere[i]);
-    if (options.per_sphere == PerSphere::keep) {
-      part.measured.push_back({id, part.arcs.per_sphere[i]});
-    }
-  }
+  const auto& [near, own, owner] = part.share;
+  if (part.by_near.empty()) return;
+  const auto is_counted = [&, &ids = near.ids, &own = own](std::size_t n) {
+    const SphereId id = ids[own[n]];
+    return measured.contains(id) && !std::ranges::binary_search(part.suspects, id);
+  };
+  part.totals.add(join_blocks(
+      own.size(),
+      [&, &own = own](std::size_t first, std::size_t end) {
+        Totals sums;
+        for (std::size_t n = first; n < end; ++n) {
+          if (is_counted(n)) sums.add(part.by_near[own[n]]);
+        }
+        return sums;
+      },
+      [](Totals& sums, const Totals& more) { sums.add(more); }));
+  if (options.per_sphere != PerSphere::keep) return;
+  part.measured = collect<MeasuredSphere>(
+      own.size(), [&, &ids = near.ids, &own = own](std::size_t n, auto& found) {
+        if (is_counted(n)) found.push_back({ids[own[n]], part.by_near[own[n]]});
+      });
+}
+
+// CUDA if it may be taken and all ranks have a device. Collective.
+Backend common_backend(const Ranks& ranks, Backend requested) {
+  bool on_device = false;
+  ranks.together([&] {
+    on_device = resolve(requested) == Backend::cuda;
+    if (on_device) share_devices(static_cast<std::size_t>(ranks.number_on_host()));
+  });
+  const auto all = static_cast<std::uint64_t>(ranks.count());
+  return ranks.sum(std::uint64_t{on_device}) == all ? Backend::cuda : Backend::cpu;
+}
+
+// Measures on the devices of all ranks. Returns why the CPU has to instead, or an empty text.
+// Throws LimitExceeded, on all ranks, if devices were asked for. Collective.
+std::string measure_on_devices(const Ranks& ranks, Part& part,
+                               const UnionTogetherOptions& options) {
+  begin_stage(options.monitor, "exact union (arcs, CUDA)", 1);
+  std::string lack;
+  ranks.together([&] { lack = measure_share_on_device(part); });
+  lack = ranks.first_text(lack);
+  advance(options.monitor, 1);
+  if (lack.empty()) return {};
+  ranks.together([&] {
+    if (options.backend == Backend::cuda) throw LimitExceeded(lack);
+    Part anew;
+    anew.share = std::move(part.share);
+    part = std::move(anew);
+  });
+  return "measured on the CPU: " + lack;
 }
 
 // What the ranks found out, as the first one has it.
@@ -184,24 +262,30 @@ ExactUnion result_of(Gathered all, const SphereSet& spheres, const MeasuredSpher
 
 }  // namespace
 
-ExactUnion union_together(const Ranks& ranks, const SphereSet& spheres,
-                          const UnionTogetherOptions& options) {
+UnionTogether union_together(const Ranks& ranks, const SphereSet& spheres,
+                             const UnionTogetherOptions& options) {
   Part part;
   std::optional<MeasuredSpheres> measured;
   ranks.together([&] {
     if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
     measured.emplace(spheres.size(), options.measured);
   });
+  UnionTogether result{};
+  result.backend = common_backend(ranks, options.backend);
   part.share = share_of_spheres(ranks, spheres);
+  ranks.together([&] { check_memory(ranks, spheres, part.share, options.memory_limit); });
+  if (result.backend == Backend::cuda) {
+    result.fallback = measure_on_devices(ranks, part, options);
+    if (!result.fallback.empty()) result.backend = Backend::cpu;
+  }
   ranks.together([&] {
-    check_memory(ranks, spheres, part.share, options.memory_limit);
-    measure_share(part, *measured, options);
+    if (result.backend == Backend::cpu) measure_share(part, *measured, options);
     add_up(part, *measured, options);
   });
   Gathered all = gather(ranks, part, options.topology);
-  ExactUnion result{};
   ranks.together([&] {
-    if (ranks.is_first()) result = result_of(std::move(all), spheres, *measured, options);
+    if (!ranks.is_first()) return;
+    static_cast<ExactUnion&>(result) = result_of(std::move(all), spheres, *measured, options);
   });
   return result;
 }

@@ -8,6 +8,7 @@
 //   solid angle to area gives the part's area.
 // sample_surface() returns the points themselves. It needs the spheres near those of the sample
 // only, which are found by one look at each sphere; a cell list of all would take much longer.
+// Several processes share these looks: each finds among its spheres those near the samples of all.
 #include "extract/area_estimate.hpp"
 
 #include <tbb/parallel_for.h>
@@ -19,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/append_to_each.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
 #include "extract/blended/field_formulas.hpp"
@@ -148,66 +150,67 @@ void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace 
   }
 }
 
-// Spheres of a sample, and those of the whole set that may reach them.
-class Surroundings {
+// The part of a set of so many spheres, and its sample: evenly spaced numbers, ascending.
+class Part {
  public:
-  Surroundings(const SphereSet& spheres, const FieldModel& model,
-               const std::vector<SphereId>& sample) {
-    std::vector<Sphere> own;
-    std::vector<double> reach;
-    Box box = empty_box();
-    for (const SphereId id : sample) {
-      own.push_back(spheres[id]);
-      reach.push_back(field_reach(model, spheres[id].radius));
-      include(box, box_of({spheres[id].center, reach.back()}));
-    }
-    const SphereSet own_set(std::move(own));
-    const CellList list(own_set, reach);
-    ids_ = collect<SphereId>(spheres.size(), [&](std::size_t i, std::vector<SphereId>& found) {
-      const Sphere& s = spheres[i];
-      const Box around = box_of({s.center, field_reach(model, s.radius)});
-      if (!overlap(around, box)) return;
-      const bool is_near =
-          visit_rows_near_box(list.view(), around.lower, around.upper,
-                              [](ListPlace first, ListPlace end) { return first < end; });
-      if (is_near) found.push_back(static_cast<SphereId>(i));
-    });
-    std::vector<Sphere> near;
-    for (const SphereId id : ids_) near.push_back(spheres[id]);
-    list_ = make_field_list(SphereSet(std::move(near)), model);
-    for (std::uint32_t i = 0; i < list_.view().size; ++i) {
-      const ListPlace place{i};
-      if (std::ranges::binary_search(sample, id_at(place))) places_.push_back(place);
-    }
-  }
+  Part(std::uint64_t spheres, std::size_t part, std::size_t parts)
+      : first_(spheres * part / parts), size_(spheres * (part + 1) / parts - first_) {}
 
-  const CellListView& list() const { return list_.view(); }
-  // The places of the sample in the list, ascending, and the number of a place's sphere in the set.
-  const std::vector<ListPlace>& places() const { return places_; }
-  SphereId id_at(ListPlace place) const { return ids_[list_.view().id[place]]; }
+  std::uint64_t first() const { return first_; }
+  std::uint64_t size() const { return size_; }
+  std::vector<SphereId> sample() const {
+    constexpr std::uint64_t kMost = 2048;
+    const std::uint64_t count = std::min(size_, kMost);
+    std::vector<SphereId> chosen;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      chosen.push_back(static_cast<SphereId>(first_ + i * size_ / count));
+    }
+    return chosen;
+  }
 
  private:
-  static bool overlap(const Box& a, const Box& b) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (a.upper[axis] < b.lower[axis] || b.upper[axis] < a.lower[axis]) return false;
-    }
-    return true;
-  }
-
-  std::vector<SphereId> ids_;  // ascending
-  CellList list_;
-  std::vector<ListPlace> places_;
+  std::uint64_t first_, size_;
 };
 
-// At most `most` of the numbers from `first` to `end`, evenly spaced, ascending.
-std::vector<SphereId> evenly_chosen(std::uint64_t first, std::uint64_t end, std::uint64_t most) {
-  const std::uint64_t all = end - first, count = std::min(all, most);
-  std::vector<SphereId> chosen;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    chosen.push_back(static_cast<SphereId>(first + i * all / count));
+// The samples of all parts, and which spheres have an effect on their surface. The points at which
+// the field is evaluated for a sphere of a sample are at most a step of a ray beyond its reach.
+class Samples {
+ public:
+  Samples(const SphereSet& spheres, const FieldModel& model, std::size_t parts)
+      : ends_in_box_(model.kind != FieldKind::vdw && model.truncation == Truncation::subgrid) {
+    std::vector<Sphere> all;
+    for (std::size_t part = 0; part < parts; ++part) {
+      for (const SphereId id : Part(spheres.size(), part, parts).sample()) {
+        all.push_back(spheres[id]);
+        part_.push_back(part);
+        reach_.push_back(field_reach(model, spheres[id].radius) + kRayStep * spheres[id].radius);
+      }
+    }
+    list_ = CellList(SphereSet(std::move(all)), reach_);
   }
-  return chosen;
-}
+
+  // Appends the sphere's number to those near each part on whose sample it may have an effect.
+  void add(const Sphere& s, double reach, SphereId id,
+           std::vector<std::vector<SphereId>>& near) const {
+    const Box box = box_of({s.center, reach});
+    visit_near_box(list_.view(), box.lower, box.upper, [&](ListPlace place) {
+      const SphereId sampled = list_.view().id[place];
+      std::vector<SphereId>& ids = near[part_[sampled]];
+      const Vec3d d = list_.view().spheres[place].center - s.center;
+      constexpr double kRounding = 1e-9;  // relative; more than squares are rounded by
+      const double most = (reach + reach_[sampled]) * (1 + kRounding);
+      const bool is_near = ends_in_box_ || dot(d, d) <= most * most;
+      if (is_near && (ids.empty() || ids.back() != id)) ids.push_back(id);
+      return false;
+    });
+  }
+
+ private:
+  bool ends_in_box_;  // at the faces of a box of cells; all other fields end at a sphere
+  std::vector<std::size_t> part_;  // by sphere of the samples
+  std::vector<double> reach_;      // likewise, Å
+  CellList list_;
+};
 
 }  // namespace
 
@@ -228,26 +231,53 @@ double estimate_area(const SphereSet& spheres, const FieldModel& model) {
   });
 }
 
+std::vector<std::vector<SphereId>> spheres_near_samples(const SphereSet& spheres,
+                                                        const FieldModel& model, std::size_t block,
+                                                        std::size_t parts) {
+  using Near = std::vector<std::vector<SphereId>>;  // by part
+  const Part own(spheres.size(), block, parts);
+  if (own.size() == 0) return Near(parts);
+  const Samples samples(spheres, model, parts);
+  return join_blocks(
+      own.size(),
+      [&](std::size_t begin, std::size_t end) {
+        Near near(parts);
+        for (std::size_t i = own.first() + begin; i < own.first() + end; ++i) {
+          const double reach = field_reach(model, spheres[i].radius);
+          samples.add(spheres[i], reach, static_cast<SphereId>(i), near);
+        }
+        return near;
+      },
+      append_to_each<SphereId>);
+}
+
 std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldModel& model,
-                                          std::size_t part, std::size_t parts) {
-  constexpr std::uint64_t kSpheres = 2048, kPoints = 16384;
+                                          std::size_t part, std::size_t parts,
+                                          std::span<const SphereId> near) {
+  constexpr std::uint64_t kPoints = 16384;
   constexpr std::uint64_t kFewestPoints = 8, kMostPoints = 256;  // of one sphere
-  const std::uint64_t first = spheres.size() * part / parts,
-                      end = spheres.size() * (part + 1) / parts;
-  const std::vector<SphereId> sample = evenly_chosen(first, end, kSpheres);
+  const Part own(spheres.size(), part, parts);
+  const std::vector<SphereId> sample = own.sample();
   if (sample.empty()) return {};
   const auto points =
       static_cast<int>(std::clamp(kPoints / sample.size(), kFewestPoints, kMostPoints));
-  const double weight = static_cast<double>(end - first) / static_cast<double>(sample.size());
-  const Surroundings near(spheres, model, sample);
-  std::vector<std::vector<SurfaceSample>> of_sphere(near.places().size());
-  tbb::parallel_for(std::size_t{0}, of_sphere.size(), [&](std::size_t i) {
-    sample_sphere(near.list(), model, near.places()[i], points, weight, of_sphere[i]);
+  const double weight = static_cast<double>(own.size()) / static_cast<double>(sample.size());
+  std::vector<Sphere> balls;
+  for (const SphereId id : near) balls.push_back(spheres[id]);
+  const CellList list = make_field_list(SphereSet(std::move(balls)), model);
+  const auto id_at = [&](ListPlace place) { return near[list.view().id[place]]; };
+  std::vector<ListPlace> places;  // of the sample, ascending
+  for (std::uint32_t i = 0; i < list.view().size; ++i) {
+    if (std::ranges::binary_search(sample, id_at(ListPlace{i}))) places.push_back(ListPlace{i});
+  }
+  std::vector<std::vector<SurfaceSample>> of_sphere(places.size());
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+    sample_sphere(list.view(), model, places[i], points, weight, of_sphere[i]);
   });
   std::vector<SurfaceSample> all;
-  for (std::size_t i = 0; i < of_sphere.size(); ++i) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
     for (const SurfaceSample& found : of_sphere[i]) {
-      all.push_back({near.id_at(near.places()[i]), found.point, found.area});
+      all.push_back({id_at(places[i]), found.point, found.area});
     }
   }
   return all;

@@ -3,6 +3,7 @@
 // share the surface by it (distributed/surface_shares.hpp).
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/vec3.hpp"
@@ -30,12 +31,23 @@ struct SurfaceSample {
   double area;  // Å²
 };
 
-// Some ten thousand points of the surface, on at most 2048 of the spheres with numbers from
-// size * part / parts to size * (part + 1) / parts. The sum of the areas of all parts estimates the
-// area of the surface: it is within some 10 % of it for sets of spheres of like size. The samples
-// show where the surface is, which helps to divide work and nothing else. The same set always gives
-// the same samples, in the same order. For an empty part there are none.
+// The spheres of a set are divided into parts: part p has the numbers from size * p / parts to
+// size * (p + 1) / parts. At most 2048 spheres of each part are its sample.
+//
+// spheres_near_samples() looks at the spheres of one part, here called a block, and returns
+// [p]: those that may have an effect on the surface of the sample of part p, ascending.
+// sample_surface() returns some ten thousand points of the surface, on the sample of a part. `near`
+// must be what all blocks have near this sample, one behind the other.
+//
+// The sum of the areas of all parts estimates the area of the surface: it is within some 10 % of it
+// for sets of spheres of like size. The samples show where the surface is, which helps to divide
+// work and nothing else. The same set always gives the same samples, in the same order. For an
+// empty part there are none.
+std::vector<std::vector<SphereId>> spheres_near_samples(const SphereSet& spheres,
+                                                        const FieldModel& model, std::size_t block,
+                                                        std::size_t parts);
 std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldModel& model,
-                                          std::size_t part, std::size_t parts);
+                                          std::size_t part, std::size_t parts,
+                                          std::span<const SphereId> near);
 
 }  // namespace vdwmesh

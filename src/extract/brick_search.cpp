@@ -28,10 +28,11 @@ BrickIndex child(const BrickIndex& b, int c) {
 }
 
 // surviving_children() for the last level of a union of balls: the cell list is searched once for
-// all eight bricks of the block `parent`. `near` is scratch memory for the list places of the balls
+// all bricks of the block `parent`. `near` is scratch memory for the list places of the balls
 // that touch the block.
 inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& grid,
-                                     const BrickIndex& parent, std::vector<ListPlace>& near) {
+                                     const BrickIndex& parent, std::uint32_t wanted,
+                                     std::vector<ListPlace>& near) {
   const BlockBox whole = block_box(grid, lattice_block(parent, 1));
   near.clear();
   if (whole.empty) return 0;
@@ -42,6 +43,7 @@ inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& g
   });
   std::uint32_t survivors = 0;
   for (int c = 0; c < kChildren; ++c) {
+    if ((wanted >> c & 1) == 0) continue;
     const BlockBox box = block_box(grid, lattice_block(child(parent, c), 0));
     const bool may = !box.empty && union_may_cross(list, box, [&](auto&& visit) {
       for (const ListPlace place : near) {
@@ -53,16 +55,18 @@ inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& g
   return static_cast<std::uint8_t>(survivors);
 }
 
-// Bit c is set if child c of the block `parent` may hold surface. `level` is the level of `parent`,
-// 1 or more.
+// Bit c is set if child c of the block `parent` may hold surface and has its bit in `wanted`.
+// `level` is the level of `parent`, 1 or more.
 VDWMESH_MULTIVERSION std::uint8_t surviving_children(const CellListView& list,
                                                      const FieldModel& model,
                                                      const BrickIndex& parent, int level,
+                                                     std::uint32_t wanted,
                                                      std::vector<ListPlace>& near) {
   if (level == 1 && model.kind == FieldKind::vdw)
-    return surviving_bricks(list, model.grid, parent, near);
+    return surviving_bricks(list, model.grid, parent, wanted, near);
   std::uint32_t survivors = 0;
   for (int c = 0; c < kChildren; ++c) {
+    if ((wanted >> c & 1) == 0) continue;
     const LatticeBlock block = lattice_block(child(parent, c), level - 1);
     if (may_hold_surface(list, model, block)) survivors |= 1u << c;
   }
@@ -79,11 +83,11 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
     std::vector<ListPlace> near;
     for (std::size_t i = task.begin(); i < task.end(); ++i) {
       const BrickIndex parent = brick_of_key(parents[i]);
-      survivors[i] = surviving_children(list, model, parent, level, near);
+      std::uint32_t wanted = 0;
       for (int c = 0; c < kChildren; ++c) {
-        if (!block_meets(range, child(parent, c), level - 1))
-          survivors[i] = static_cast<std::uint8_t>(survivors[i] & ~(1u << c));
+        if (block_meets(range, child(parent, c), level - 1)) wanted |= 1u << c;
       }
+      survivors[i] = surviving_children(list, model, parent, level, wanted, near);
     }
   });
   std::uint64_t count = 0;
@@ -113,10 +117,18 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
 
 }  // namespace
 
-KeyRange with_halo(const KeyRange& range) {
-  const std::uint64_t below = brick_key({0, 0, 1}), above = brick_key({1, 1, 1});
+KeyRange with_halo(const KeyRange& range, Connectivity connectivity) {
+  const std::uint64_t below = connectivity == Connectivity::half_edges ? brick_key({0, 0, 1}) : 0,
+                      above = brick_key({1, 1, 1});
   return {range.begin > below ? range.begin - below : 0,
           range.end < kNoBrickKey - above ? range.end + above : kNoBrickKey};
+}
+
+// The upper neighbour with the highest key is the one beyond the upper corner.
+std::uint64_t first_with_border(const KeyRange& range) {
+  if (range.end == kNoBrickKey) return kNoBrickKey;
+  const std::uint64_t farthest = brick_key({1, 1, 1});
+  return std::max(range.begin, range.end > farthest ? range.end - farthest : 0);
 }
 
 std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const FieldModel& model,

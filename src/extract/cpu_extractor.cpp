@@ -84,7 +84,7 @@ class CpuSurfacePart final : public SurfacePart {
       : workspace_(options.workspace),
         scene_(spheres, options, workspace_),
         mesher_(scene_.model.grid, loops_of(scene_.job()), LabelWidth::one, options, workspace_) {
-    mesher_.count(scene_.candidates(with_halo(range), options), range);
+    mesher_.count(scene_.candidates(with_halo(range, options.connectivity), options), range);
   }
 
   MeshSize size() const override { return mesher_.size(); }

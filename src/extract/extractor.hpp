@@ -71,6 +71,9 @@ struct ExtractResult {
 // The vertices of the bricks around a range of bricks, before it and behind it.
 struct HaloVertices {
   std::uint64_t before = 0, behind = 0;
+  // Of the triangles of the range, only so many of the last ones may name vertices behind it.
+  // Vertices before it are named by half-edges alone.
+  std::uint64_t naming_triangles = 0;
 };
 
 // The part of a surface in one range of bricks, after counting and before its mesh is made. If the
@@ -83,8 +86,8 @@ class SurfacePart {
   // The number of vertices and triangles that the bricks of the range own.
   virtual MeshSize size() const = 0;
 
-  // How many vertices next to those of the range, in the order of numbers, its triangles may name
-  // beside them.
+  // How many vertices next to those of the range, in the order of numbers, its triangles and
+  // half-edges may name beside them.
   virtual HaloVertices halo() const = 0;
 
   // Fills `mesh` with these vertices and triangles. `first` says how many vertices and triangles
@@ -123,8 +126,9 @@ class Extractor {
 
   // The first step of an extraction that several processes or devices share. Each of them counts a
   // range of bricks with this function, adds up the sizes of the ranges before its own, and makes
-  // its part of the mesh with SurfacePart::emit(). The function also counts the bricks around the
-  // range, about two layers, because triangles at its border refer to them. So `spheres` must have
+  // its part of the mesh with SurfacePart::emit(). The function also counts the bricks behind the
+  // range, about a layer, because triangles at its border refer to them, and with half-edges as
+  // many before it. So `spheres` must have
   // all spheres near these bricks; it may lack the others if all processes use the same
   // GridOptions::given and the same frame. Throws as extract() does, but does not check the size of
   // the mesh.

@@ -2,25 +2,22 @@
 // and the workspace's KeptCellLists do the rest.
 #include "extract/field_list.hpp"
 
-#include <vector>
-
+#include "core/fixed_blocks.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "spheres/kept_cell_lists.hpp"
 
 namespace vdwmesh {
-namespace {
 
-std::vector<double> field_reaches(const SphereSet& spheres, const FieldModel& model) {
-  std::vector<double> reach(spheres.size());
-  for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = field_reach(model, spheres[i].radius);
+Buffer<double> field_reaches(const SphereSet& spheres, const FieldModel& model) {
+  Buffer<double> reach(spheres.size());
+  for_each_index(reach.size(),
+                 [&](std::size_t i) { reach[i] = field_reach(model, spheres[i].radius); });
   return reach;
 }
 
-}  // namespace
-
 CellList make_field_list(const SphereSet& spheres, const FieldModel& model,
                          const CellListFrame* frame) {
-  const std::vector<double> reaches = field_reaches(spheres, model);
+  const Buffer<double> reaches = field_reaches(spheres, model);
   return frame != nullptr ? CellList(spheres, reaches, *frame) : CellList(spheres, reaches);
 }
 

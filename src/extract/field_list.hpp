@@ -2,11 +2,15 @@
 // finds every sphere whose contribution to the field reaches a box (field_reach()).
 #pragma once
 
+#include "core/buffer.hpp"
 #include "core/workspace.hpp"
 #include "extract/field.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
+
+// The reach of each sphere, Å: field_reach().
+Buffer<double> field_reaches(const SphereSet& spheres, const FieldModel& model);
 
 // A new list, owned by the caller. If `frame` is null, the list makes its own cells; else the
 // function throws InvalidInput if a sphere does not fit the frame.

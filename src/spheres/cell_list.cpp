@@ -101,28 +101,35 @@ CellListFrame frame_of(std::span<const LevelExtent> extents, double smallest_rea
   return frame;
 }
 
-CellListFrame make_frame(const SphereSet& spheres, std::span<const double> reach) {
-  if (spheres.empty()) return {};
-  const double smallest = join_blocks(
+double least_of(std::span<const double> reach) {
+  if (reach.empty()) return std::numeric_limits<double>::infinity();
+  return join_blocks(
       reach.size(),
       [&](std::size_t first, std::size_t end) {
         return std::ranges::min(reach.subspan(first, end - first));
       },
       [](double& least, double part) { least = std::min(least, part); });
-  using Extents = std::array<LevelExtent, CellListView::kMaxLevels>;  // by level
+}
+
+LevelExtents level_extents(const SphereSet& spheres, std::span<const double> reach,
+                           double smallest_reach) {
+  if (spheres.empty()) return {};
   const auto extents_of = [&](std::size_t first, std::size_t end) {
-    Extents extents;
+    LevelExtents extents;
     for (std::size_t i = first; i < end; ++i) {
-      const auto level = static_cast<std::size_t>(level_of(reach[i], smallest));
+      const auto level = static_cast<std::size_t>(level_of(reach[i], smallest_reach));
       extents[level].add(spheres[i].center, reach[i]);
     }
     return extents;
   };
-  const Extents all =
-      join_blocks(spheres.size(), extents_of, [](Extents& total, const Extents& part) {
-        for (std::size_t level = 0; level < total.size(); ++level) total[level].add(part[level]);
-      });
-  return frame_of(all, smallest);
+  return join_blocks(spheres.size(), extents_of,
+                     [](LevelExtents& total, const LevelExtents& part) { add(total, part); });
+}
+
+CellListFrame make_frame(const SphereSet& spheres, std::span<const double> reach) {
+  if (spheres.empty()) return {};
+  const double smallest = least_of(reach);
+  return frame_of(level_extents(spheres, reach, smallest), smallest);
 }
 
 // How many spheres each level of the frame takes, and the first that does not fit the frame, or

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -49,6 +50,21 @@ struct LevelExtent {
     spheres += other.spheres;
   }
 };
+
+// By level of a frame.
+using LevelExtents = std::array<LevelExtent, CellListView::kMaxLevels>;
+
+inline void add(LevelExtents& all, const LevelExtents& part) {
+  for (std::size_t level = 0; level < all.size(); ++level) all[level].add(part[level]);
+}
+
+// The least of the reaches, infinite if there are none.
+double least_of(std::span<const double> reach);
+
+// The extents of the levels of a frame with this smallest reach. `reach[i]` is the reach of sphere
+// i, Å.
+LevelExtents level_extents(const SphereSet& spheres, std::span<const double> reach,
+                           double smallest_reach);
 
 // The frame whose levels have these extents, beginning with level 0; at most kMaxLevels of them, of
 // which one has spheres.

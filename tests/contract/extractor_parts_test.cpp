@@ -19,7 +19,7 @@ class ExtractorParts : public ExtractorFieldContract {
  protected:
   std::unique_ptr<Extractor> extractor() const { return make_extractor(std::get<0>(GetParam())); }
 
-  void expect_parts_of_rod(int of_piece, double pitch, double spacing);
+  void expect_parts_of_rod(int of_piece, double pitch, double spacing, Connectivity connectivity);
   void expect_refusals_beyond_frame(int spheres);
 };
 
@@ -40,15 +40,18 @@ void append(IndexedMesh& mesh, const IndexedMesh& part) {
   add(mesh.opposite, part.opposite);
 }
 
-// Triangles name vertices of their own part and of its halo, and no others: by that, processes find
-// the number of a vertex from its 32 bits.
+// Triangles name vertices of their own part and of its halo behind it, and no others, and only the
+// last ones those of the halo: by that, processes find the number of a vertex from its 32 bits.
 void expect_named_vertices_near(const SurfacePart& part, const MeshSize& first,
                                 const IndexedMesh& mesh) {
   const HaloVertices halo = part.halo();
-  for (const Triangle& corners : mesh.triangles) {
-    for (const std::uint64_t corner : corners) {
-      ASSERT_GE(corner + halo.before, first.vertices);
-      ASSERT_LT(corner, first.vertices + part.size().vertices + halo.behind);
+  const std::uint64_t own_end = first.vertices + part.size().vertices;
+  ASSERT_LE(halo.naming_triangles, mesh.triangle_count());
+  const std::size_t first_naming = mesh.triangle_count() - halo.naming_triangles;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    for (const std::uint64_t corner : mesh.triangles[t]) {
+      ASSERT_GE(corner, first.vertices);
+      ASSERT_LT(corner, own_end + (t < first_naming ? 0 : halo.behind));
     }
   }
 }
@@ -104,7 +107,8 @@ std::vector<std::uint64_t> random_cuts(const GridSpec& grid, Dice& dice, int cou
   return cuts;
 }
 
-// A halo is never larger than what is around the range, and a whole mesh has none.
+// A halo is never larger than what is around the range, and a whole mesh has none. Only half-edges
+// need what is before the range.
 TEST_P(ExtractorParts, HalosArePartOfTheMesh) {
   const SphereSet spheres = cluster(300, 11);
   const ExtractOptions options = at_spacing(0.4);
@@ -114,9 +118,12 @@ TEST_P(ExtractorParts, HalosArePartOfTheMesh) {
   for (const std::uint64_t cut : random_cuts(whole.grid, dice, 5)) {
     const auto part = extractor()->count(spheres, {begin, cut}, options);
     const std::uint64_t behind = whole.mesh.vertex_count() - before - part->size().vertices;
-    EXPECT_LE(part->halo().before, before);
+    EXPECT_EQ(part->halo().before, 0u);
     EXPECT_LE(part->halo().behind, behind);
-    EXPECT_TRUE(before == 0 || part->size().triangles == 0 || part->halo().before > 0);
+    EXPECT_TRUE(behind == 0 || part->size().triangles == 0 || part->halo().behind > 0);
+    const auto joined = extractor()->count(spheres, {begin, cut}, with_half_edges(options));
+    EXPECT_LE(joined->halo().before, before);
+    EXPECT_TRUE(before == 0 || part->size().triangles == 0 || joined->halo().before > 0);
     before += part->size().vertices;
     begin = cut;
   }
@@ -238,14 +245,17 @@ TEST_P(ExtractorParts, AGridWithoutSenseIsRefused) {
 
 // A process that has only the spheres near its range, with the grid and the frame of all, makes the
 // same part: the sums of a blended field run in the same order there.
-void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spacing) {
+// Without half-edges the bricks before the range are not needed, nor the spheres near them.
+void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spacing,
+                                         Connectivity connectivity) {
   std::vector<Sphere> rod;
   for (unsigned k = 0; k < 12; ++k) {
     const SphereSet piece = translated(cluster(of_piece, 18 + k), {0.3 * k, -0.2 * k, pitch * k});
     rod.insert(rod.end(), piece.spheres().begin(), piece.spheres().end());
   }
   const SphereSet spheres(rod);
-  ExtractOptions options = with_half_edges(at_spacing(spacing));
+  ExtractOptions options = at_spacing(spacing);
+  options.connectivity = connectivity;
   const ExtractResult whole = extract(spheres, options);
   options.grid.given = whole.grid;
   const FieldModel model = make_field_model(options.field, whole.grid);
@@ -259,10 +269,10 @@ void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spac
   for (std::int32_t layer = 0; layer < layers; ++layer) {
     const KeyRange range{brick_key({0, 0, layer}),
                          layer + 1 == layers ? kNoBrickKey : brick_key({0, 0, layer + 1})};
-    // The halo is a layer of bricks on either side.
-    const double reach = frame.levels.back().reach;
+    const int layers_before = connectivity == Connectivity::half_edges ? 1 : 0;
+    const double reach = frame.levels.back().reach + 2 * whole.grid.spacing;
     const double thickness = kBrickSide * whole.grid.spacing;
-    const double lower = whole.grid.origin.z + (layer - 2) * thickness - reach;
+    const double lower = whole.grid.origin.z + (layer - layers_before) * thickness - reach;
     const double upper = whole.grid.origin.z + (layer + 3) * thickness + reach;
     std::vector<Sphere> near;
     std::vector<SphereId> ids;
@@ -285,10 +295,15 @@ void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spac
   EXPECT_LT(fewest, spheres.size() / 2) << "the parts had nearly all spheres";
 }
 
-TEST_P(ExtractorParts, SpheresFarFromARangeAreNotNeeded) { expect_parts_of_rod(60, 7.3, 0.6); }
+TEST_P(ExtractorParts, SpheresFarFromARangeAreNotNeeded) {
+  expect_parts_of_rod(60, 7.3, 0.6, Connectivity::triangles);
+  expect_parts_of_rod(60, 7.3, 0.6, Connectivity::half_edges);
+}
 
 // A device makes the cell list of so many spheres by itself, in the cells that it is given.
-TEST_P(ExtractorParts, ManySpheresFarFromARangeAreNotNeeded) { expect_parts_of_rod(5000, 28, 1.5); }
+TEST_P(ExtractorParts, ManySpheresFarFromARangeAreNotNeeded) {
+  expect_parts_of_rod(5000, 28, 1.5, Connectivity::half_edges);
+}
 
 void ExtractorParts::expect_refusals_beyond_frame(int spheres) {
   const SphereSet some = cluster(spheres, 19);

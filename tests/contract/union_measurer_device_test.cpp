@@ -1,13 +1,17 @@
 // Spheres that stand in memory of a CUDA device are measured there, with the bits of a copy on the
-// host.
+// host; and a sphere is measured alike in every set that has the spheres overlapping it.
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "arrangement/arcs/arcs.hpp"
 #include "arrangement/union_measurer.hpp"
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
@@ -127,6 +131,95 @@ TEST_F(SpheresOnTheDevice, AreCheckedThere) {
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("sphere 70"), std::string::npos) << error.what();
   }
+}
+
+// Nearly the atoms of a crystal: many neighbours are at nearly the same distance, so that the order
+// in which the planes of a power cell are cut is a matter of the last digits.
+std::vector<Sphere> nearly_a_crystal(double radius) {
+  std::vector<Sphere> spheres;
+  auto shift = [n = 0u]() mutable { return 1e-6 * (1664525u * ++n % 1009) / 1009; };
+  for (int x = 0; x < 30; ++x) {
+    for (int y = 0; y < 6; ++y) {
+      for (int z = 0; z < 5; ++z) {
+        for (const double half : {0.0, 0.55}) {
+          spheres.push_back(
+              {{1.1 * x + half + shift(), 1.1 * y + half + shift(), 1.1 * z + half + shift()},
+               half == 0 ? radius : 0.9 * radius});
+        }
+      }
+    }
+  }
+  return spheres;
+}
+
+class ArcsOnTheDevice : public BackendTest {
+ protected:
+  void SetUp() override { need(Backend::cuda); }
+};
+
+// Measures the spheres around a place, and compares those that have all that overlap them with what
+// the whole set gave. Returns how many had no doubt.
+std::size_t expect_bits_of_whole(const std::vector<Sphere>& all, const DeviceArcs& whole,
+                                 const Vec3d& place, double radius) {
+  const auto within = [&](const Sphere& s, double reach) {
+    const Vec3d to = s.center - place;
+    return std::max({std::abs(to.x), std::abs(to.y), std::abs(to.z)}) < reach;
+  };
+  // Cells are as wide as the largest ball, and of the 1,000 Å to this one there are few.
+  std::vector<Sphere> some{{{1e3, 0, 0}, 1.7 * radius}};
+  std::vector<std::size_t> ids{all.size()};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!within(all[i], 4)) continue;
+    some.push_back(all[i]);
+    ids.push_back(i);
+  }
+  const DeviceArcs part = measure_arcs_on_device(SphereSet::view(some));
+  std::size_t good = 0;
+  for (std::size_t i = 1; i < some.size(); ++i) {
+    if (!within(some[i], 2)) continue;
+    const auto here = static_cast<SphereId>(i), there = static_cast<SphereId>(ids[i]);
+    const bool doubt = std::ranges::binary_search(part.suspect, here);
+    EXPECT_EQ(doubt, std::ranges::binary_search(whole.suspect, there));
+    if (doubt) continue;
+    ++good;
+    EXPECT_EQ(std::memcmp(&part.per_sphere[i], &whole.per_sphere[ids[i]], sizeof(SphereMeasures)),
+              0)
+        << i;
+  }
+  return good;
+}
+
+TEST_F(ArcsOnTheDevice, SpheresHaveTheSameBitsInEverySetWithTheirNeighbours) {
+  for (const double radius : {0.6, 0.8, 1.0}) {
+    std::vector<Sphere> all = nearly_a_crystal(radius);
+    // Spheres of a cell stand in the order of the set, so wider cells give neighbours another
+    // order.
+    std::ranges::shuffle(all, std::mt19937_64(5));
+    const DeviceArcs whole = measure_arcs_on_device(SphereSet::view(all));
+    std::size_t good = 0;
+    for (int part = 0; part < 30; ++part) {
+      good += expect_bits_of_whole(all, whole, {1.07 * part, 0.2 * part, 0.17 * part}, radius);
+    }
+    EXPECT_GT(good, 1000u) << radius;
+  }
+}
+
+TEST_F(ArcsOnTheDevice, AgreeWithTheCpuAndLeaveTheLatticeToTheHost) {
+  for (const std::vector<Sphere>& spheres : {nearly_a_crystal(0.8), two_sets()}) {
+    const SphereSet set = SphereSet::view(spheres);
+    const DeviceArcs device = measure_arcs_on_device(set);
+    ASSERT_EQ(device.per_sphere.size(), spheres.size());
+    EXPECT_TRUE(std::ranges::is_sorted(device.suspect));
+    const ArcMeasures host = arc_measures(set);
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      const auto id = static_cast<SphereId>(i);
+      if (std::ranges::binary_search(device.suspect, id)) continue;
+      if (std::ranges::binary_search(host.suspect, id)) continue;
+      EXPECT_NEAR(device.per_sphere[i].area, host.per_sphere[i].area, 1e-11);
+      EXPECT_NEAR(device.per_sphere[i].volume, host.per_sphere[i].volume, 1e-11);
+    }
+  }
+  EXPECT_GT(measure_arcs_on_device(SphereSet(two_sets())).suspect.size(), 8u);
 }
 
 }  // namespace

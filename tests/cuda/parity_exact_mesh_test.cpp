@@ -74,6 +74,31 @@ TEST_F(ExactMeshParity, RandomAndNearlyDegenerateSets) {
   EXPECT_GT(stats.left_patches, 0u);
 }
 
+// A device with little memory works in more batches, and returns what it cannot keep; with hardly
+// any, the host does all.
+TEST_F(ExactMeshParity, LittleDeviceMemory) {
+  const std::string file = "reference/1EJG.xyzr";
+  VDWMESH_NEEDS_SHARED(file);
+  const SphereSet spheres = read_xyzr(shared_path(file), 0);
+  ExactMeshOptions options{.device_work = DeviceWork::all};
+  const ExactMesh cpu = make_exact_mesher(Backend::cpu)->mesh(spheres, options);
+  EXPECT_EQ(cpu.stats.device_batches, 0u);
+  std::uint64_t batches = 0;
+  for (const std::uint64_t memory : {std::uint64_t{64} << 30, std::uint64_t{32} << 20,
+                                     std::uint64_t{4} << 20, std::uint64_t{1} << 20}) {
+    options.device_memory = memory;
+    const ExactMesh cuda = make_exact_mesher(Backend::cuda)->mesh(spheres, options);
+    expect_same(cpu.mesh, cuda.mesh, std::to_string(memory));
+    EXPECT_GT(cuda.stats.device_batches, batches) << memory;
+    EXPECT_EQ(cuda.stats.returned_patches > 0, memory <= std::uint64_t{4} << 20) << memory;
+    batches = cuda.stats.device_batches;
+  }
+  options.device_memory = 1 << 12;
+  const ExactMesh none = make_exact_mesher(Backend::cuda)->mesh(spheres, options);
+  expect_same(cpu.mesh, none.mesh, "no memory");
+  EXPECT_EQ(none.stats.device_patches, 0u);
+}
+
 TEST_F(ExactMeshParity, Crowds) {
   expect_exact_parity(crowd(20'000, 30, 0.5, 2.5, 7), 0.4, "crowd");
   expect_exact_parity(crowd(20'000, 120, 0.5, 2.5, 8), 0.6, "sparse crowd");

@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "cuda/backend.hpp"
@@ -393,6 +394,34 @@ TEST_F(Parity, RefinedCrowds) {
   thesis.field.preset = FieldPreset::thesis_vdw;
   thesis.grid = preset_grid(thesis.field.preset, {}, {});
   expect_pipeline_parity(crowd(200, 8, 1, 2, 13), thesis, 1, "refined thesis-vdw");
+}
+
+// Coarse meshes of sets unlike molecules, which cross themselves when they are projected: many
+// vertices in a line or a plane, coordinates far from the origin, no volume to speak of, patches of
+// very different sizes in the cells of a grid. From level 2 on a patch has parts.
+TEST_F(Parity, RefinedSetsUnlikeMolecules) {
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Sphere> lattice, far, flat, large{{{0, 0, 0}, 3}};
+  for (int i = 0; i < 8; ++i)
+    lattice.push_back({{1.5 * (i & 1), 0.75 * (i & 2), 0.375 * (i & 4)}, 1});
+  for (int i = 0; i < 9; ++i) {
+    far.push_back({{3e4 + 3 * unit(random), -2e4 + 3 * unit(random), 1e5 + 3 * unit(random)},
+                   0.5 + unit(random)});
+    flat.push_back({{2 * unit(random), 2 * unit(random), 0.05 * unit(random)}, 0.5});
+    large.push_back({{3 * unit(random), 3 * unit(random), 3 * unit(random)}, 0.3});
+  }
+  const std::vector<std::tuple<std::string, SphereSet, double>> sets = {
+      {"lattice on the grid", SphereSet(lattice), 0.75},
+      {"far away", SphereSet(far), 0.9},
+      {"flat", SphereSet(flat), 0.5},
+      {"small in large", SphereSet(large), 1.3},
+      {"crowd of all sizes", crowd(300, 12, 0.1, 2.0, 5), 1.1}};
+  for (const auto& [name, spheres, spacing] : sets) {
+    for (const int subdivisions : {0, 1, 3}) {
+      expect_pipeline_parity(spheres, options_of(FieldKind::vdw, spacing), subdivisions, name);
+    }
+  }
 }
 
 const std::vector<std::string> kMolecules = {

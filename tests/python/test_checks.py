@@ -36,6 +36,14 @@ class QualityTest(unittest.TestCase):
                      meshio.Mesh(vertices.astype(float), [("triangle", faces)])):  # fmt: skip
             self.assertEqual(vdwmesh.quality(mesh), expected)
 
+    def test_self_intersections_with_the_grid_known_and_without(self):
+        rng = np.random.default_rng(4)
+        mesh = vdwmesh.mesh(rng.uniform(0, 40, (3000, 3)), rng.uniform(0.8, 1.6, 3000),
+                            mesher="marching-cubes", spacing=0.8)  # fmt: skip
+        found = vdwmesh.quality(mesh, self_intersections=True)
+        self.assertGreater(found.self_intersections, 0)
+        self.assertEqual(vdwmesh.quality((mesh.vertices, mesh.faces), self_intersections=True), found)
+
     def test_wrong_meshes_are_named(self):
         vertices, faces = TETRAHEDRON
         for begins, mesh in (("faces[0]: [0, 9, 1]", (vertices, [[0, 9, 1]])),

@@ -70,6 +70,10 @@ ArcSampling::ArcSampling(const BoundaryArcs& boundary, std::span<const double> e
   });
 }
 
+ArcSampling::~ArcSampling() {
+  for_each_index(unequal_.size(), [&](std::size_t a) { unequal_[a] = {}; });
+}
+
 std::uint32_t ArcSampling::pieces(std::uint32_t arc) const { return pieces_[arc]; }
 
 double ArcSampling::part(std::uint32_t arc, std::uint32_t index) const {

@@ -58,6 +58,10 @@ class ArcSampling {
   // `edge_lengths` are by ball, in scaled units. Keeps a reference to `boundary`. Throws
   // LimitExceeded for an arc of 10^9 pieces or more.
   ArcSampling(const BoundaryArcs& boundary, std::span<const double> edge_lengths);
+  // Frees the lists of all arcs on all cores.
+  ~ArcSampling();
+  ArcSampling(const ArcSampling&) = delete;
+  ArcSampling& operator=(const ArcSampling&) = delete;
 
   // The number of pieces of an arc, and of every arc.
   std::uint32_t pieces(std::uint32_t arc) const;

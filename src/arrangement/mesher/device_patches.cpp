@@ -9,12 +9,20 @@
 
 namespace vdwmesh {
 
-void HostTurns::let_read() {
-  std::unique_lock lock(mutex_);
-  is_hosts_turn_ = false;
-  changed_.notify_all();
-  changed_.wait(lock, [&] { return readers_ == 0; });
-  is_hosts_turn_ = true;
+void HostTurns::lend(const std::function<void()>& work) {
+  {
+    const std::lock_guard lock(mutex_);
+    is_hosts_turn_ = false;
+    changed_.notify_all();
+  }
+  FirstError error;
+  error.guard(work);
+  {
+    std::unique_lock lock(mutex_);
+    is_hosts_turn_ = true;
+    changed_.wait(lock, [&] { return readers_ == 0; });
+  }
+  error.rethrow();
 }
 
 void HostTurns::end() noexcept {
@@ -23,30 +31,19 @@ void HostTurns::end() noexcept {
   changed_.notify_all();
 }
 
-void HostTurns::announce() {
-  const std::lock_guard lock(mutex_);
-  ++readers_;
-}
-
-void HostTurns::retract() noexcept {
-  const std::lock_guard lock(mutex_);
-  --readers_;
-  changed_.notify_all();
-}
-
 void HostTurns::read(const std::function<void()>& look) {
-  announce();
-  read_announced(look);
-}
-
-void HostTurns::read_announced(const std::function<void()>& look) {
   {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !is_hosts_turn_; });
+    ++readers_;
   }
   FirstError error;
   error.guard(look);
-  retract();
+  {
+    const std::lock_guard lock(mutex_);
+    --readers_;
+    changed_.notify_all();
+  }
   error.rethrow();
 }
 
@@ -76,24 +73,50 @@ void DevicePatches::withdraw(std::uint32_t ball) {
   job = nullptr;
 }
 
-std::size_t DevicePatches::take_back() {
+// Takes out of `balls` the patches that the device shall mesh.
+std::vector<std::uint32_t> DevicePatches::take_share(std::vector<std::uint32_t>& balls,
+                                                     HostWork host, const MakeJob& make) {
+  std::vector<std::uint32_t> sizes(balls.size()), taken, others;
+  for_each_index(balls.size(),
+                 [&](std::size_t i) { sizes[i] = sizes_of(make(balls[i])).most_points; });
+  const DeviceLoad load = load_for_device(sizes, host, busy_);
+  busy_ += load.milliseconds;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    (sizes[i] <= load.most_points ? taken : others).push_back(balls[i]);
+  }
+  balls = std::move(others);
+  return taken;
+}
+
+void DevicePatches::send(std::vector<std::uint32_t>& balls, DeviceWork work, HostWork host,
+                         const MakeJob& make) {
+  const std::vector<std::uint32_t> taken =
+      work == DeviceWork::all ? std::exchange(balls, {}) : take_share(balls, host, make);
+  if (taken.empty()) return;
+  const std::size_t first = jobs_.size();
+  jobs_.resize(first + taken.size());
+  for_each_index(taken.size(), [&](std::size_t i) {
+    PatchJob& job = jobs_[first + i] = make(taken[i]);
+    job_of_[job.ball] = &job;
+    was_sent_[job.ball] = 1;
+  });
+  const std::lock_guard lock(mutex_);
+  ready_ = jobs_.size();
+  changed_.notify_all();
+}
+
+void DevicePatches::host_has_looked_at(std::size_t boundaries) {
+  busy_ = busy_after(busy_, boundaries);
+}
+
+void DevicePatches::take_back() {
   std::size_t count = 0;
   for (PatchJob& job : jobs_) {
     if (job.is_begun || job.is_withdrawn) continue;
     withdraw(job.ball);
     ++count;
   }
-  return count;
-}
-
-void DevicePatches::tell_thread() {
-  const std::lock_guard lock(mutex_);
-  ready_ = jobs_.size();
-  if (is_idle_ && !is_announced_) {
-    turns_.announce();
-    is_announced_ = true;
-  }
-  changed_.notify_all();
+  busy_ = busy_without(busy_, count);
 }
 
 void DevicePatches::end_thread() noexcept {
@@ -106,50 +129,32 @@ void DevicePatches::end_thread() noexcept {
 }
 
 void DevicePatches::work() {
-  std::size_t begun = 0;
-  while (true) {
+  const auto look = [this](const std::function<void()>& f) { turns_.read(f); };
+  for (std::size_t begun = 0;;) {
     std::span<PatchJob> jobs;
-    bool is_announced = false;
     {
       std::unique_lock lock(mutex_);
-      is_idle_ = true;
       changed_.wait(lock, [&] { return is_last_ || begun < ready_; });
-      is_idle_ = false;
       if (begun == ready_) return;
       jobs = {jobs_.data() + begun, ready_ - begun};
       begun = ready_;
-      is_announced = std::exchange(is_announced_, false);
     }
-    mesh(jobs, is_announced);
+    device_.mesh({jobs, look, sources_, monitor_});
   }
-}
-
-// The first look is the one that was announced, if there is one. If it does not come to that, the
-// host must not wait for it.
-void DevicePatches::mesh(std::span<PatchJob> jobs, bool is_announced) {
-  std::atomic<bool> announced = is_announced;
-  const auto look = [&](const std::function<void()>& f) {
-    if (announced.exchange(false)) {
-      turns_.read_announced(f);
-    } else {
-      turns_.read(f);
-    }
-  };
-  FirstError error;
-  error.guard([&] { device_.mesh({jobs, look, sources_, monitor_}); });
-  if (announced.exchange(false)) turns_.retract();
-  error.rethrow();
 }
 
 std::vector<std::uint32_t> DevicePatches::take_results(std::span<const std::uint32_t> balls,
                                                        std::span<const std::uint32_t> of_host,
                                                        std::vector<PatchMesh>& patches,
-                                                       ExactMeshStats& stats) const {
+                                                       ExactMeshStats& stats) {
+  std::atomic<std::uint64_t> returned = 0;
   const std::vector<std::uint32_t> not_done =
       collect<std::uint32_t>(balls.size(), [&](std::size_t i, std::vector<std::uint32_t>& found) {
-        const PatchJob* const of_ball = job(balls[i]);
+        PatchJob* const of_ball = job_of_[balls[i]];
         if (of_ball && of_ball->is_done) {
-          patches[balls[i]] = {{}, {}, of_ball->splits, 0};
+          PatchMesh& patch = patches[balls[i]] = {};
+          if (of_ball->patch) patch = std::move(*of_ball->patch);
+          if (!patch.triangles.empty()) ++returned;
         } else {
           found.push_back(balls[i]);
         }
@@ -158,6 +163,8 @@ std::vector<std::uint32_t> DevicePatches::take_results(std::span<const std::uint
   std::ranges::set_difference(not_done, of_host, std::back_inserter(left));
   for (const std::uint32_t b : left) stats.left_patches += job(b) != nullptr;
   stats.device_patches += balls.size() - not_done.size();
+  stats.returned_patches += returned;
+  stats.device_batches += device_.batches();
   return left;
 }
 

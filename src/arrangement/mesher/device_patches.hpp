@@ -4,8 +4,10 @@
 // A patch none of whose pieces is split in a round is given to the device at once, though a later
 // round may still split one of them: of 4,556 patches of haemoglobin, 1,910 are quiet in the second
 // round, and 1,824 of them stay so. If one does not, it is withdrawn, and its result is dropped.
-// The device reads boundaries and triangulations, which the rounds change; so host and device take
-// turns: the device looks at them between two rounds.
+// The device reads boundaries and triangulations, which the rounds change. But a round changes only
+// those of patches beside a piece that the round before has split, and these are withdrawn before
+// it begins. So the device may look at all others while a round goes on. Between two rounds the
+// host has the arcs, and what was sent, for itself.
 #pragma once
 
 #include <condition_variable>
@@ -18,6 +20,7 @@
 #include <vector>
 
 #include "arrangement/many_unions.hpp"
+#include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/fixed_blocks.hpp"
 
@@ -26,22 +29,19 @@ namespace vdwmesh {
 // Turns of one host and of any number of readers. The host has its turn at first.
 class HostTurns {
  public:
-  // Lets the readers that wait go first, then goes on with the host's turn.
-  void let_read();
+  // Calls work(), and lets readers look meanwhile. Then it is the host's turn again, once those
+  // that look have ended.
+  void lend(const std::function<void()>& work);
   // Ends the host's turn: from now on, readers need not wait.
   void end() noexcept;
-  // Says that a reader will come; let_read() waits for it. Either it calls read_announced(), or it
-  // is retracted.
-  void announce();
-  void retract() noexcept;
+  // Calls look() as soon as it is not the host's turn.
   void read(const std::function<void()>& look);
-  void read_announced(const std::function<void()>& look);
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   bool is_hosts_turn_ = true;
-  std::size_t readers_ = 0;  // that read or wait, or are announced
+  std::size_t readers_ = 0;  // that look
 };
 
 class DevicePatches {
@@ -57,26 +57,19 @@ class DevicePatches {
   DevicePatches& operator=(const DevicePatches&) = delete;
 
   // These are for the host, in its turn.
-  // Sends the jobs make(0), ..., make(count - 1). The device takes all that was sent until then
-  // as soon as it has nothing else to do. If it is idle now, the next let_read() waits until it
-  // has looked at these jobs. No ball may be sent more than twice, because jobs_ has room for two
-  // per ball.
-  template <class Make>
-  void send(std::size_t count, const Make& make) {
-    if (count == 0) return;
-    const std::size_t first = jobs_.size();
-    jobs_.resize(first + count);
-    for_each_index(count, [&](std::size_t i) {
-      PatchJob& job = jobs_[first + i] = make(i);
-      job_of_[job.ball] = &job;
-      was_sent_[job.ball] = 1;
-    });
-    tell_thread();
-  }
+  // Takes out of `balls` those whose patches the device shall mesh, and sends their jobs,
+  // make(ball). The device takes all that was sent until then as soon as it has nothing else to do.
+  // No ball may be sent more than twice, because jobs_ has room for two per ball.
+  using MakeJob = std::function<PatchJob(std::uint32_t ball)>;
+  void send(std::vector<std::uint32_t>& balls, DeviceWork work, HostWork host, const MakeJob& make);
+  // So many boundaries, while the device was meshing.
+  void host_has_looked_at(std::size_t boundaries);
   void withdraw(std::uint32_t ball);
-  // Withdraws all that the device has not begun, and returns how many these are.
-  std::size_t take_back();
-  void let_read() { turns_.let_read(); }
+  // Withdraws all that the device has not begun.
+  void take_back();
+  // Calls work(), which changes nothing of patches that were sent and not withdrawn, nor what their
+  // sources depend on. The device may look at them meanwhile.
+  void let_read(const std::function<void()>& work) { turns_.lend(work); }
   // The job of a ball, if it was sent and not withdrawn; else null.
   const PatchJob* job(std::uint32_t ball) const { return job_of_[ball]; }
   // The same, if the device keeps its result. To be asked once the device has finished.
@@ -96,19 +89,18 @@ class DevicePatches {
     error.rethrow();
     error_.rethrow();
   }
-  // After finish(): copies the requests of those of `balls` that the device has meshed to
-  // `patches`, and counts them in `stats`. Returns the balls that are still to be meshed: neither
-  // the device has meshed them nor the host, which has meshed `of_host`.
+  // After finish(): moves what the device has returned of those of `balls` that it has meshed,
+  // requests or patches, to `patches`, and counts them in `stats`. Returns the balls that are still
+  // to be meshed: neither the device has meshed them nor the host, which has meshed `of_host`.
   std::vector<std::uint32_t> take_results(std::span<const std::uint32_t> balls,
                                           std::span<const std::uint32_t> of_host,
-                                          std::vector<PatchMesh>& patches,
-                                          ExactMeshStats& stats) const;
+                                          std::vector<PatchMesh>& patches, ExactMeshStats& stats);
 
  private:
-  void tell_thread();
+  std::vector<std::uint32_t> take_share(std::vector<std::uint32_t>& balls, HostWork host,
+                                        const MakeJob& make);
   void end_thread() noexcept;
   void work();
-  void mesh(std::span<PatchJob> jobs, bool is_announced);
 
   PatchDevice& device_;
   Sources sources_;
@@ -118,14 +110,13 @@ class DevicePatches {
   std::vector<std::uint8_t> was_sent_;  // by ball; bytes, since several threads set them
   // All that were sent. They never move, since the device writes there: there is room for all.
   std::vector<PatchJob> jobs_;
+  double busy_ = 0;   // for how many milliseconds the device has work, about
   FirstError error_;  // of the device
 
   std::mutex mutex_;  // for what follows
   std::condition_variable changed_;
-  std::size_t ready_ = 0;      // how many jobs the device may have
-  bool is_last_ = false;       // nothing more will be sent
-  bool is_idle_ = false;       // the thread waits for jobs
-  bool is_announced_ = false;  // jobs came while it was idle: its look at them is announced
+  std::size_t ready_ = 0;  // how many jobs the device may have
+  bool is_last_ = false;   // nothing more will be sent
   std::jthread thread_;
 };
 

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <utility>
 
@@ -25,10 +26,9 @@ constexpr std::uint32_t kMostPoints = 2048, kMostParts = 64;
 // The most patches of a batch: as many as fill a device.
 constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
 
-// The most bytes that a device keeps of a patch: interior points, and triangles of all points.
-std::size_t most_kept_bytes(const PatchSizes& sizes) {
-  return sizes.most_points * sizeof(Vec3d) +
-         capacity(sizes, PatchArray::triangles) * sizeof(std::array<std::uint32_t, 3>);
+// Of the points of an icosahedron each edge of which has so many parts.
+std::uint64_t lattice_bytes(std::uint32_t parts) {
+  return (10 * std::uint64_t{parts} * parts + 2) * sizeof(Vec3d);
 }
 
 double clamped_edge(const PatchJob& job) {
@@ -61,35 +61,49 @@ PatchSizes sizes_of(const PatchJob& job) {
 
 bool is_for_device(const PatchSizes& sizes) { return sizes.most_points <= kMostPoints; }
 
-// Each of the two batches that are under way takes a quarter of what results leave for its work
-// memory, and less than that for its input.
+// Interior points and triangles are counted twice: a batch has them in its work memory, and
+// gathers them.
+std::uint64_t device_bytes(const PatchSizes& sizes) {
+  ArrayPlaces input(nullptr);
+  patch_input(sizes, input);
+  return input.bytes() + vdwmesh::work_bytes(sizes) + sizeof(BoundedPatch) + sizeof(PatchOutcome) +
+         3 * sizeof(std::uint64_t) + sizes.points * sizeof(PointSource) +
+         sizes.most_points * sizeof(Vec3d) +
+         capacity(sizes, PatchArray::triangles) * sizeof(std::array<std::uint32_t, 3>) +
+         capacity(sizes, PatchArray::requests) * sizeof(PieceSplit);
+}
+
 std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
-                                                   std::size_t free_bytes) {
-  struct JobBytes {
-    std::size_t work, kept;
+                                                   std::uint64_t batch_bytes) {
+  struct Need {
+    std::uint64_t bytes = 0;  // 0: not for a device
+    std::uint32_t parts = 0;  // of an edge of its icosahedron
   };
-  std::vector<JobBytes> bytes_of_job(jobs.size());  // work 0: not for a device
+  std::vector<Need> needs(jobs.size());
   for_each_index(jobs.size(), [&](std::size_t j) {
     if (jobs[j].is_withdrawn) return;
+    const std::uint32_t parts = SpherePoints::parts(clamped_edge(jobs[j]));
     const PatchSizes sizes = sizes_of(jobs[j]);
-    if (is_for_device(sizes)) bytes_of_job[j] = {work_bytes(sizes), most_kept_bytes(sizes)};
+    if (!is_for_device(sizes) || parts > kMostParts) return;
+    const std::uint64_t bytes = device_bytes(sizes);
+    if (bytes + lattice_bytes(parts) <= batch_bytes) needs[j] = {bytes, parts};
   });
-  std::size_t kept = 0;
-  for (JobBytes& of_job : bytes_of_job) {
-    if (kept + of_job.kept > free_bytes / 2) of_job.work = 0;
-    if (of_job.work > 0) kept += of_job.kept;
-  }
-  const std::size_t most_bytes = (free_bytes - kept) / 4;
   std::vector<std::vector<std::uint32_t>> batches;
-  std::size_t bytes = most_bytes;  // of the last batch; "full", so that the first job begins one
+  std::bitset<kMostParts + 1> lattices;  // of the last batch
+  std::uint64_t bytes = 0;               // of the last batch
+  const auto with = [&](const Need& need) {
+    return bytes + need.bytes + (lattices[need.parts] ? 0 : lattice_bytes(need.parts));
+  };
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
-    const std::size_t work = bytes_of_job[j].work;
-    if (work == 0) continue;
-    if (bytes + work > most_bytes || batches.back().size() == kPatchesOfBatch) {
+    const Need& need = needs[j];
+    if (need.bytes == 0) continue;
+    if (batches.empty() || with(need) > batch_bytes || batches.back().size() == kPatchesOfBatch) {
       batches.emplace_back();
+      lattices.reset();
       bytes = 0;
     }
-    bytes += work;
+    bytes = with(need);
+    lattices.set(need.parts);
     batches.back().push_back(j);
   }
   return batches;
@@ -122,17 +136,16 @@ double busy_without(double milliseconds, std::size_t patches) {
 }
 
 // Of some thousand patches it gets the smallest, because one thread meshes a patch, and as many as
-// let the device and the host's cores end at the same time. Of more patches it gets all, if it has
-// nothing else to do, since the cores then pack batches while the device meshes others: of 165,126,
-// the first round took 0.47 s so, and 0.53 s when they were shared. Few are not worth the transfer.
-DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, double busy) {
+// let the device and the host's cores end at the same time. Of more patches it gets all while the
+// host has rounds to do, if it has nothing else to do itself. Few are not worth the transfer.
+DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, HostWork host, double busy) {
   constexpr std::size_t kMany = 16384;
   if (sizes.size() < kLeastPatchesForDevice) return {};
   std::size_t count = sizes.size();
   const auto of_device = [&](std::uint32_t largest) {
     return largest / kPointsOfThread + static_cast<double>(count) / kPatchesOfDevice;
   };
-  if (count >= kMany && busy == 0) {
+  if (count >= kMany && host == HostWork::rounds && busy == 0) {
     const std::uint32_t largest = *std::ranges::max_element(sizes);
     return {largest, of_device(largest)};
   }

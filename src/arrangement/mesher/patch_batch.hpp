@@ -18,11 +18,19 @@ PatchSizes sizes_of(const PatchJob& job);
 // Whether a patch is for a device. A single thread meshes it, so it must not be large.
 bool is_for_device(const PatchSizes& sizes);
 
-// The batches in which a device with so many bytes of free memory meshes jobs, two at a time, while
-// it keeps the results of all. Half of the memory is for results at most; jobs beyond it are in no
-// batch, nor are those that are not for a device or withdrawn. A batch has one job at least.
+// How a device divides the memory that it may take: half of it is for results that it keeps, and a
+// quarter for each of the two batches that it works on.
+struct DeviceShares {
+  std::uint64_t kept, batch;
+  explicit DeviceShares(std::uint64_t bytes) : kept(bytes / 2), batch(bytes / 4) {}
+};
+// The most bytes that a batch takes on a device: of all its jobs with this function, and the points
+// of their icosahedra besides. With everything: input, work memory, and results.
+std::uint64_t device_bytes(const PatchSizes& sizes);
+// The batches in which a device meshes jobs, each within so many bytes. Jobs that are withdrawn or
+// not for a device are in none, nor are those that alone need more.
 std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
-                                                   std::size_t free_bytes);
+                                                   std::uint64_t batch_bytes);
 
 // What a device gets of some patches (DeviceWork::balanced): those of up to so many points
 // (PatchSizes::most_points), and for how many milliseconds it is busy with them.
@@ -30,9 +38,11 @@ struct DeviceLoad {
   std::uint32_t most_points = 0;
   double milliseconds = 0;
 };
+// What the host's cores do meanwhile: rounds of boundaries, or they mesh the patches left to them.
+enum class HostWork : std::uint8_t { rounds, patches };
 // `sizes` are the points of each patch, and the device is busy for so many milliseconds before it
 // can begin.
-DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, double busy = 0);
+DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, HostWork host, double busy = 0);
 // For how many of so many milliseconds a device is still busy after the host has looked at so many
 // boundaries, or if so many patches are taken back from it.
 double busy_after(double milliseconds, std::size_t boundaries);

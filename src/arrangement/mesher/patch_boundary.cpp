@@ -131,8 +131,8 @@ void gather_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, co
   for (const RimArc& a : arcs) count += sampling.pieces(a.arc);
   out.points.clear();
   out.pieces.clear();
-  out.pieces.reserve(count);
-  out.points.reserve(count + numbers.corners().size());
+  out.pieces.reserve(with_room_for_splits(count));
+  out.points.reserve(with_room_for_splits(count + numbers.corners().size()));
   for (const std::uint32_t c : numbers.corners()) {
     out.points.push_back(direction(s, boundary.corners[c].position));
   }

@@ -74,6 +74,11 @@ struct PatchBoundaryView {
       : points(b.points), pieces(b.pieces), caps(b.caps), through(b.through) {}
 };
 
+// For how many points or pieces a boundary gets room at first, if it has so many: most boundaries
+// of molecules then keep their arrays through all rounds. To move them costs more than all else in
+// a look at a boundary but the insertion of its points.
+constexpr std::size_t with_room_for_splits(std::size_t count) { return count + count / 4; }
+
 // What became of a piece that was split: a chain of `parts` pieces. The first one has the number of
 // the old piece, the others the numbers first_part, first_part + 1, ... In between are the points
 // first_point, first_point + 1, ...

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -28,9 +29,11 @@ struct PatchJob {
   // The rest is set by the device.
   // Whether it has looked at the progress. It sets this where it looks (PatchOrder::look()).
   bool is_begun = false;
-  // Whether it has meshed the patch: then there are requests, or it keeps the result for place().
+  // Whether it has meshed the patch: then there are requests in `patch`, or it keeps the result for
+  // place(), or, if it has no memory left for that, the result is in `patch`, with its sources. If
+  // it keeps the result or there is none, `patch` is null.
   bool is_done = false;
-  PatchVector<PieceSplit> splits;  // as in PatchMesh
+  std::unique_ptr<PatchMesh> patch;
   bool is_kept = false;
   std::uint32_t interior = 0, triangles = 0;  // how many points and triangles it keeps
   std::uint64_t kept = 0;                     // the device's name for the result
@@ -66,13 +69,16 @@ class PatchDevice {
   virtual ~PatchDevice() = default;
   // Meshes jobs as mesh_patch() would, bit by bit, and sets is_done for them. It leaves out those
   // that double precision does not decide or that outgrow their memory, and those withdrawn before
-  // it looked at them. Results are kept until forget(). Throws Cancelled, DeviceMemoryExceeded.
+  // it looked at them. Results are kept until forget(), as far as memory allows. Throws Cancelled,
+  // DeviceMemoryExceeded.
   virtual void mesh(const PatchOrder& order) = 0;
+  // In how many batches it has meshed patches since forget().
+  virtual std::uint64_t batches() const = 0;
   // Writes kept patches to their places in the mesh, which has room for them. Whatever vertices and
   // triangles of other patches are between the first and the last of the places may be overwritten.
   // Throws DeviceMemoryExceeded.
   virtual void place(const PatchPlaces& places, IndexedMesh& mesh) = 0;
-  // Gives the memory of kept results back.
+  // Gives the memory of kept results back, and begins to count batches anew.
   virtual void forget() = 0;
 };
 

@@ -42,14 +42,25 @@ static inline void triangulate(const PatchBoundary& boundary, const PatchOptions
   if (bound && mesh.splits.empty()) mesh.below = bound->count(scratch.patch);
 }
 
+// Room for the triangulation of so many points and of the frame's corners, and for later splits.
+static void make_room(std::size_t points, PlaneTriangulation::State& plane) {
+  points = with_room_for_splits(points);
+  plane.points.reserve(points + 3);
+  plane.star.reserve(points + 3);
+  plane.triangles.reserve(2 * points + 1);
+}
+
 VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options,
                                           PatchScratch& scratch) {
   const PatchBoundary& boundary = progress.boundary;
   scratch.circles.assign(boundary);
   const Stereographic projection(buried_pole(boundary));
   // A test of the boundary adds nothing that the next round may not have, so it needs no copy.
-  scratch.plane_is_swapped = options.stage == PatchStage::boundary && progress.is_triangulated;
-  if (scratch.plane_is_swapped) scratch.plane.swap(progress.plane);
+  scratch.plane_is_swapped = options.stage == PatchStage::boundary;
+  if (scratch.plane_is_swapped) {
+    if (!progress.is_triangulated) make_room(boundary.points.size(), progress.plane);
+    scratch.plane.swap(progress.plane);
+  }
   PatchMesh mesh;
   for (const std::uint32_t p : insert_boundary(progress, projection, options, scratch)) {
     mesh.splits.push_back({boundary.pieces[p].source, 1});

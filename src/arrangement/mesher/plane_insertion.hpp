@@ -72,12 +72,16 @@ void PlaneTriangulationOf<Memory>::swap(State& state) {
   std::swap(star_, state.star);
 }
 
-// A point makes two triangles more.
+// A point makes two triangles more. If there is no room, there will be room for half as many points
+// again as there are, since the next round may add some more.
 template <class Memory>
 void PlaneTriangulationOf<Memory>::resume_swapped(std::size_t more_points, const Circles* circles) {
-  points_.reserve(points_.size() + more_points);
-  star_.reserve(star_.size() + more_points);
-  triangles_.reserve(triangles_.size() + 2 * more_points);
+  if (points_.size() + more_points > points_.capacity()) {
+    const std::size_t points = points_.size() + std::max(more_points, points_.size() / 2);
+    points_.reserve(points);
+    star_.reserve(points);
+    triangles_.reserve(2 * points);
+  }
   reset_scratch(circles);
 }
 

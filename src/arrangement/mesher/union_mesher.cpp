@@ -38,7 +38,6 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/mesh_borders.hpp"
 #include "arrangement/mesher/mesh_placement.hpp"
-#include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_limits.hpp"
 #include "core/blocks.hpp"
@@ -94,7 +93,9 @@ class UnionMesher {
     });
     pieces_at_first_ = all_pieces();
     mesh_patches();
-    for (const PatchMesh& patch : patches_) {
+    // None without a bound.
+    for (const PatchMesh& patch :
+         options_.min_angle > 0 ? std::span(patches_) : std::span<PatchMesh>()) {
       stats_.below_min_angle_at_corners += patch.below.at_corners;
       stats_.below_min_angle += patch.below.elsewhere;
     }
@@ -238,10 +239,18 @@ class UnionMesher {
         on_device_ && stage == PatchStage::triangles && last_splits_.empty()
             ? mesh_beside_device(balls)
             : balls;
-    tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
-      mesh_ball(for_host[i], demand, stage);
-      advance(options_.monitor, 1);
-    });
+    const auto mesh_all = [&] {
+      tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
+        mesh_ball(for_host[i], demand, stage);
+        advance(options_.monitor, 1);
+      });
+    };
+    // What was sent and is not beside a piece that was split stays as it is.
+    if (on_device_ && stage == PatchStage::boundary) {
+      on_device_->let_read(mesh_all);
+    } else {
+      mesh_all();
+    }
     stats_.exact_tests += sum_all(balls.size(), [&](std::size_t i, std::uint64_t& sum) {
       sum += patches_[balls[i]].exact_tests;
     });
@@ -288,34 +297,20 @@ class UnionMesher {
       on_device_->withdraw(b);
     }
     if (stage == PatchStage::triangles) return;
-    device_busy_ = busy_after(device_busy_, balls.size());
+    on_device_->host_has_looked_at(balls.size());
     std::vector<std::uint32_t> quiet;
     std::ranges::set_difference(balls, next, std::back_inserter(quiet));
     // One that was withdrawn waits for the end.
     std::erase_if(quiet, [&](std::uint32_t b) { return on_device_->was_sent(b); });
-    send_to_device(take_for_device(quiet));
-    on_device_->let_read();
+    send_to_device(quiet, HostWork::rounds);
   }
 
-  // Takes out of `balls` the patches that the device shall mesh.
-  std::vector<std::uint32_t> take_for_device(std::vector<std::uint32_t>& balls) {
-    if (options_.device_work == DeviceWork::all) return std::exchange(balls, {});
-    std::vector<std::uint32_t> sizes(balls.size()), taken, others;
-    for_each_index(balls.size(),
-                   [&](std::size_t i) { sizes[i] = sizes_of(job_of(balls[i])).most_points; });
-    const DeviceLoad load = load_for_device(sizes, device_busy_);
-    device_busy_ += load.milliseconds;
-    for (std::size_t i = 0; i < balls.size(); ++i) {
-      (sizes[i] <= load.most_points ? taken : others).push_back(balls[i]);
-    }
-    balls = std::move(others);
-    return taken;
-  }
-
-  // Precondition: the triangulations of the boundaries are up to date. The triangles are those of
-  // the first round of the second series.
-  void send_to_device(std::span<const std::uint32_t> balls) {
-    on_device_->send(balls.size(), [&](std::size_t i) { return job_of(balls[i]); });
+  // Sends the device its part of `balls`, and takes it out of them. Precondition: the
+  // triangulations of the boundaries are up to date. The triangles are those of the first round of
+  // the second series.
+  void send_to_device(std::vector<std::uint32_t>& balls, HostWork meanwhile) {
+    on_device_->send(balls, options_.device_work, meanwhile,
+                     [this](std::uint32_t b) { return job_of(b); });
   }
 
   PatchJob job_of(std::uint32_t ball) const {
@@ -333,9 +328,7 @@ class UnionMesher {
   // the balls that are left. Both share what the device has not begun yet. Precondition: as
   // send_to_device(), for all balls.
   std::vector<std::uint32_t> mesh_beside_device(const std::vector<std::uint32_t>& balls) {
-    if (options_.device_work != DeviceWork::all) {
-      device_busy_ = busy_without(device_busy_, on_device_->take_back());
-    }
+    if (options_.device_work != DeviceWork::all) on_device_->take_back();
     std::vector<std::uint32_t> of_host =
         collect<std::uint32_t>(balls.size(), [&](std::size_t i, std::vector<std::uint32_t>& found) {
           const PatchProgress* const progress = progress_[balls[i]].get();
@@ -343,14 +336,20 @@ class UnionMesher {
             found.push_back(balls[i]);
           }
         });
-    send_to_device(take_for_device(of_host));
+    send_to_device(of_host, HostWork::patches);
     on_device_->finish([&] {
       tbb::parallel_for(std::size_t{0}, of_host.size(), [&](std::size_t i) {
         mesh_ball(of_host[i], Demand::quality, PatchStage::triangles);
         advance(options_.monitor, 1);
       });
     });
-    return on_device_->take_results(balls, of_host, patches_, stats_);
+    std::vector<std::uint32_t> left = on_device_->take_results(balls, of_host, patches_, stats_);
+    // A patch that the device has returned begins anew if a piece is split after all, as one that
+    // the host has finished, which has no progress any more.
+    for_each_index(balls.size(), [&](std::size_t i) {
+      if (!patches_[balls[i]].triangles.empty()) progress_[balls[i]].reset();
+    });
+    return left;
   }
 
   const PatchJob* kept_job(std::uint32_t ball) const {
@@ -480,7 +479,6 @@ class UnionMesher {
   ExactMeshStats stats_;
   // Empty without a device. It comes last: its thread, which ends with it, reads the others.
   std::optional<DevicePatches> on_device_;
-  double device_busy_ = 0;  // ms, about
 };
 
 }  // namespace

@@ -17,6 +17,7 @@
 
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
+#include "extract/brick_search.hpp"
 #include "extract/limits.hpp"
 
 namespace vdwmesh {
@@ -134,6 +135,9 @@ void BrickMesher::count(const CandidateSearch& candidates, const KeyRange& own) 
   sum_up(counted_);
   counted_.begin = first_at(counted_.bricks, own.begin);
   counted_.end = first_at(counted_.bricks, own.end);
+  const std::size_t border =
+      std::min(counted_.end, first_at(counted_.bricks, first_with_border(own)));
+  naming_triangles_ = counted_.before[counted_.end].triangles - counted_.before[border].triangles;
   stats_.surface_bricks = counted_.end - counted_.begin;
   for (std::size_t b = counted_.begin; b < counted_.end; ++b) {
     stats_.grid_clipped += counted_.bricks[b].clipped_cells;
@@ -149,7 +153,7 @@ MeshSize BrickMesher::size() const {
 HaloVertices BrickMesher::halo() const {
   const std::vector<BrickSums>& before = counted_.before;
   return {before[counted_.begin].vertices - before.front().vertices,
-          before.back().vertices - before[counted_.end].vertices};
+          before.back().vertices - before[counted_.end].vertices, naming_triangles_};
 }
 
 MeshArrays BrickMesher::arrays() const {

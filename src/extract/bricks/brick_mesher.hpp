@@ -64,6 +64,7 @@ class BrickMesher {
   LabelWidth width_;
   ExtractOptions options_;
   CountedBricks& counted_;
+  std::uint64_t naming_triangles_ = 0;  // see HaloVertices
   ExtractStats stats_;
 };
 

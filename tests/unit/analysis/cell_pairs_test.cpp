@@ -344,7 +344,54 @@ TEST(CellPairs, TrianglesThatReachBeyondTheirCellAreFound) {
   EXPECT_GT(moved, 100u);
 }
 
-TEST(CellPairs, NeedAGridWhosePlanesAreApart) {
+// A vertex that goes to a plane whose index has no room in 20 bits, but would look like its edge.
+TEST(CellPairs, VerticesFarBeyondTheGridAreFound) {
+  Dice dice(9);
+  RandomSurface surface(dice, {4, 4, 4}, 0.9);
+  for (int axis = 0; axis < 3; ++axis) {
+    std::size_t moved = 0;
+    for (const auto& [edge, vertex] : surface.number) {
+      if (edge.second != axis || edge.first[std::size_t(axis)] != 0) continue;
+      IndexedMesh mesh = surface.mesh();
+      double& x = mesh.positions[vertex][axis];
+      for (const std::int64_t plane : {std::int64_t{1} << 20, -(std::int64_t{1} << 20)}) {
+        x = lattice_coordinate(surface.grid(), axis, plane);
+        ASSERT_FALSE(pairs_within_cells(mesh, surface.grid(), nullptr)) << axis;
+      }
+      ++moved;
+    }
+    EXPECT_GT(moved, 0u);
+    // All of it lies below the first plane, or partly.
+    for (const int cells : {1, 2, 9}) {
+      GridSpec grid = surface.grid();
+      grid.origin[axis] += cells * grid.spacing;
+      EXPECT_FALSE(pairs_within_cells(surface.mesh(), grid, nullptr)) << cells;
+    }
+  }
+}
+
+// A plane every half unit where doubles are one apart: half of the vertices lie on planes that two
+// indices have.
+TEST(CellPairs, PlanesThatAreOneHideNothing) {
+  Dice dice(10);
+  RandomSurface surface(dice, {6, 6, 6}, 0.5);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double spacing : {0.5, 1.0, 2.0}) {
+      GridSpec grid{{0, 0, 0}, spacing, surface.grid().cells};
+      grid.origin[axis] = 0x1p52;
+      IndexedMesh mesh = surface.mesh();
+      for (Vec3d& p : mesh.positions) {
+        for (int i = 0; i < 3; ++i) {
+          const double place = (p[i] - surface.grid().origin[i]) / surface.grid().spacing;
+          p[i] = grid.origin[i] + place * spacing;
+        }
+      }
+      same_with_grid(mesh, grid);
+    }
+  }
+}
+
+TEST(CellPairs, NeedAGridWithPlanes) {
   Dice dice(6);
   RandomSurface surface(dice, {4, 4, 4}, 0.5);
   const IndexedMesh mesh = surface.mesh();
@@ -360,11 +407,12 @@ TEST(CellPairs, NeedAGridWhosePlanesAreApart) {
     grid.origin.y = origin;
     EXPECT_FALSE(pairs_within_cells(mesh, grid, nullptr)) << origin;
   }
+  // The lattice has no end.
   for (const std::int64_t cells : {std::int64_t{-1}, std::int64_t{0}, kMaxCellsPerAxis + 1,
                                    std::numeric_limits<std::int64_t>::max()}) {
     GridSpec grid = surface.grid();
     grid.cells.z = cells;
-    EXPECT_FALSE(pairs_within_cells(mesh, grid, nullptr)) << cells;
+    EXPECT_TRUE(same_with_grid(mesh, grid)) << cells;
   }
   EXPECT_FALSE(pairs_within_cells({}, surface.grid(), nullptr));
 }

@@ -19,6 +19,7 @@
 #include "analysis/exposed_surface.hpp"
 #include "analysis/mesh_finder.hpp"
 #include "analysis/signed_distance.hpp"
+#include "analysis/triangle_runs.hpp"
 #include "support/dice.hpp"
 #include "support/test_meshes.hpp"
 
@@ -374,18 +375,34 @@ TEST_P(DistanceSearch, FindsTheNearestTriangle) {
   }
 }
 
+void add_triangle(IndexedMesh& mesh, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertex_count());
+  for (const Vec3d& p : {a, b, c}) mesh.positions.push_back(p);
+  mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
 // Walks through the box in short steps, so that groups list nodes and points examine them, with
-// jumps between the walks. Against all triangles, bit for bit.
-TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) {
-  const Case& c = GetParam();
+// jumps between the walks. Against all triangles, bit for bit. If the triangles are divided, their
+// children are searched four at a time, and the last of all is left over.
+void search_along_walks(const Case& c, bool divided) {
   Dice dice(14);
   IndexedMesh mesh;
-  for (int copy = 0; copy < 4; ++copy)
-    for (const auto& triangle : triangles_about(c.balls, dice)) {
-      const auto first = static_cast<std::uint32_t>(mesh.vertex_count());
-      for (const Vec3d& p : triangle) mesh.positions.push_back(p);
-      mesh.triangles.push_back({first, first + 1, first + 2});
+  for (int copy = 0; copy < (divided ? 1 : 4); ++copy)
+    for (const auto& [a, b, d] : triangles_about(c.balls, dice)) {
+      if (!divided) {
+        add_triangle(mesh, a, b, d);
+        continue;
+      }
+      const Vec3d ab = 0.5 * (a + b), bd = 0.5 * (b + d), da = 0.5 * (d + a);
+      add_triangle(mesh, a, ab, da);
+      add_triangle(mesh, b, bd, ab);
+      add_triangle(mesh, d, da, bd);
+      add_triangle(mesh, ab, bd, da);
     }
+  if (divided) {
+    ASSERT_EQ(triangles_together(mesh), kTriangleRun);
+    add_triangle(mesh, c.points[0], c.points[1], c.points[2]);
+  }
   std::vector<Vec3d> points;
   for (std::size_t i = 0; i < c.points.size(); i += 3) {
     const double step = c.balls[i % c.balls.size()].radius * std::pow(10, dice.real(-4, -0.5));
@@ -420,6 +437,11 @@ TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) {
       ASSERT_EQ(finder.largest_distance(run, least), std::max(least, largest)) << first;
     }
   }
+}
+
+TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) { search_along_walks(GetParam(), false); }
+TEST_P(DistanceSearch, FindsTheNearestOfDividedTrianglesAlongWalks) {
+  search_along_walks(GetParam(), true);
 }
 
 // Points are sorted by the cells of a cube around them, which may be a point, or far longer than

@@ -34,18 +34,14 @@ double plain_distance(const Vec3d& a, const Vec3d& b) {
                    (a.z - b.z) * (a.z - b.z));
 }
 
-class BoxTreeOfItems : public ::testing::TestWithParam<std::uint32_t> {};
-
-TEST_P(BoxTreeOfItems, FindsTheNearestOfAnyNumberOfPoints) {
+TEST(BoxTree, FindsTheNearestOfAnyNumberOfPoints) {
   std::mt19937_64 random(1);
   for (const std::uint32_t count : {1u, 3u, 4u, 5u, 31u, 32u, 33u, 257u, 3000u}) {
     std::vector<Vec3d> points(count);
     for (Vec3d& p : points) p = random_point(random, 10);
     if (count > 2) points[1] = points[0];
     const auto box_of_point = [&](std::uint32_t i) { return Box{points[i], points[i]}; };
-    // Whether points are sorted one by one or four at a time: 33 and 257 leave one over.
-    const std::uint32_t together = count < 4 ? 1 : GetParam();
-    const BoxTree tree(count, {{-20, -20, -20}, {20, 20, 20}}, box_of_point, together);
+    const BoxTree tree(count, {{-20, -20, -20}, {20, 20, 20}}, box_of_point);
     for (int trial = 0; trial < 200; ++trial) {
       const Vec3d p = trial < 10 ? points[0] : random_point(random, 20);
       double expected = std::numeric_limits<double>::infinity();
@@ -59,8 +55,6 @@ TEST_P(BoxTreeOfItems, FindsTheNearestOfAnyNumberOfPoints) {
     }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(SortedTogether, BoxTreeOfItems, ::testing::Values(1u, 4u));
 
 // A node never says that a box is farther than it is, from points and from boxes, and says it well:
 // off by at most a step of 1/255 of the extent, doubled because steps are powers of two, on either

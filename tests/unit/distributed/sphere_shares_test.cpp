@@ -27,8 +27,9 @@ std::vector<Sphere> random_spheres(std::size_t count, Vec3d size) {
 std::vector<SphereShare> shares_of(const SphereSet& spheres, std::size_t parts) {
   std::vector<SphereBlock> blocks;
   Box box = empty_box();
+  const std::size_t count = spheres.size();
   for (std::size_t block = 0; block < parts; ++block) {
-    blocks.emplace_back(spheres, block, parts);
+    blocks.emplace_back(spheres, count * block / parts, count * (block + 1) / parts, parts);
     include(box, blocks.back().box_of_centers());
   }
   std::vector<std::vector<std::uint64_t>> before;
@@ -43,13 +44,15 @@ std::vector<SphereShare> shares_of(const SphereSet& spheres, std::size_t parts) 
     const std::vector<PartExtent> of_block = blocks[block].divide(all, before[block]);
     for (std::size_t part = 0; part < parts; ++part) extents[part].add(of_block[part]);
   }
-  std::vector<std::vector<std::vector<SentSphere>>> to_part(parts);
+  std::vector<std::vector<std::vector<NamedSphere>>> to_part(parts);
   for (const SphereBlock& block : blocks) {
-    std::vector<std::vector<SentSphere>> sent = block.choose(extents);
+    std::vector<std::vector<NamedSphere>> sent = block.choose(extents);
     for (std::size_t part = 0; part < parts; ++part) to_part[part].push_back(sent[part]);
   }
   std::vector<SphereShare> shares;
-  for (const auto& from_each : to_part) shares.push_back(gather_share(from_each));
+  for (std::size_t part = 0; part < parts; ++part) {
+    shares.push_back(gather_share(part, spheres, to_part[part]));
+  }
   return shares;
 }
 
@@ -62,7 +65,9 @@ bool touch(const Sphere& a, const Sphere& b) {
 // Every sphere is in one share, and every share has all that touch its spheres.
 void expect_sound_shares(const SphereSet& spheres, std::size_t parts) {
   std::vector<int> shares(spheres.size());
-  for (const auto& [near, own] : shares_of(spheres, parts)) {
+  const std::vector<SphereShare> all = shares_of(spheres, parts);
+  for (const auto& [near, own, owner] : all) {
+    ASSERT_EQ(owner.size(), near.ids.size());
     EXPECT_TRUE(std::ranges::is_sorted(near.ids));
     EXPECT_TRUE(std::ranges::is_sorted(own));
     EXPECT_LE(own.size(), spheres.size() / parts + 1);
@@ -75,6 +80,10 @@ void expect_sound_shares(const SphereSet& spheres, std::size_t parts) {
     }
     for (std::size_t i = 0; i < near.ids.size(); ++i) {
       EXPECT_EQ(near.spheres[i].center, spheres[near.ids[i]].center);
+      const SphereShare& of_owner = all[owner[i]];
+      const auto found = std::ranges::lower_bound(of_owner.near.ids, near.ids[i]);
+      const auto place = static_cast<SphereId>(found - of_owner.near.ids.begin());
+      EXPECT_TRUE(std::ranges::binary_search(of_owner.own, place));
     }
   }
   EXPECT_EQ(shares, std::vector<int>(spheres.size(), 1)) << parts;
@@ -117,7 +126,7 @@ std::vector<Sphere> crystal(double radius) {
 
 void expect_bits_of_whole(const SphereSet& spheres, std::size_t parts) {
   const ArcMeasures whole = arc_measures(spheres);
-  for (const auto& [near, own] : shares_of(spheres, parts)) {
+  for (const auto& [near, own, owner] : shares_of(spheres, parts)) {
     const MeasuredSpheres measured(near.spheres.size(), own);
     ArcMeasures arcs{};
     Workspace workspace;

@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "arrangement/exact_union.hpp"
+#include "core/append_to_each.hpp"
 #include "extract/area_estimate.hpp"
 
 namespace vdwmesh {
@@ -17,6 +21,33 @@ FieldModel union_on(const SphereSet& spheres, double spacing) {
   GridOptions options;
   options.spacing = spacing;
   return make_field_model({}, make_grid(spheres, options));
+}
+
+// What all blocks find for each of the parts or runs, as ranks tell each other.
+template <class Find>
+std::vector<std::vector<SphereId>> joined_blocks(std::size_t blocks, const Find& find) {
+  std::vector<std::vector<SphereId>> all(blocks);
+  for (std::size_t block = 0; block < blocks; ++block) append_to_each(all, find(block));
+  return all;
+}
+
+// The samples of all parts.
+std::vector<SurfaceSample> samples_of(const SphereSet& spheres, const FieldModel& model,
+                                      std::size_t parts) {
+  const auto near = joined_blocks(
+      parts, [&](std::size_t block) { return spheres_near_samples(spheres, model, block, parts); });
+  std::vector<SurfaceSample> all;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const auto samples = sample_surface(spheres, model, part, parts, near[part]);
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+  return all;
+}
+
+double area_of(const std::vector<SurfaceSample>& samples) {
+  double area = 0;
+  for (const SurfaceSample& s : samples) area += s.area;
+  return area;
 }
 
 SphereSet column_of(std::size_t count) {
@@ -50,13 +81,8 @@ TEST(EstimateBricks, ThePartsTogetherAreTheWholeSurface) {
   const double expected = 100 * 4 * std::numbers::pi * 4;  // Å²
   constexpr double kRounding = 1e-9;                       // of sums of 16,000 terms, relative
   for (const std::size_t parts : {1u, 2u, 7u}) {
-    double area = 0;
-    for (std::size_t part = 0; part < parts; ++part) {
-      for (const BrickArea& a : estimate_bricks(spheres, union_on(spheres, 0.5), part, parts)) {
-        area += a.area;
-      }
-    }
-    EXPECT_NEAR(area, expected, kRounding * expected) << parts;
+    const auto samples = samples_of(spheres, union_on(spheres, 0.5), parts);
+    EXPECT_NEAR(area_of(samples), expected, kRounding * expected) << parts;
   }
 }
 
@@ -71,23 +97,72 @@ TEST(EstimateBricks, PartsKnowWhatTheOthersCover) {
   const SphereSet spheres(balls);
   const double expected = exact_union(spheres).area;
   for (const std::size_t parts : {1u, 3u}) {
-    double area = 0;
-    for (std::size_t part = 0; part < parts; ++part) {
-      for (const SurfaceSample& s : sample_surface(spheres, union_on(spheres, 0.5), part, parts)) {
-        area += s.area;
-        for (const Sphere& ball : balls) {
-          EXPECT_GE(norm(s.point - ball.center), ball.radius * (1 - 1e-9));
-        }
+    const auto samples = samples_of(spheres, union_on(spheres, 0.5), parts);
+    for (const SurfaceSample& s : samples) {
+      for (const Sphere& ball : balls) {
+        EXPECT_GE(norm(s.point - ball.center), ball.radius * (1 - 1e-9));
       }
     }
-    EXPECT_NEAR(area, expected, 0.1 * expected) << parts;  // as sample_surface() promises
+    EXPECT_NEAR(area_of(samples), expected, 0.1 * expected) << parts;  // as promised
   }
 }
 
-TEST(EstimateBricks, SharesOfAColumnAreEqual) {
+// The spheres left out have no effect on the samples, for each kind of field and truncation: all
+// spheres give the same, but for rounding, because sums of a field run in another order then.
+// Spheres have very different sizes.
+TEST(SampleSurface, DoesNotNeedTheSpheresThatAreLeftOut) {
+  std::mt19937 random(7);
+  const auto number = [&](double most) { return most * static_cast<double>(random()) / 0x1p32; };
+  std::vector<Sphere> balls{{{15, 15, 15}, 9}};
+  for (int i = 0; i < 400; ++i) {
+    balls.push_back({{number(30), number(30), number(30)}, 0.3 + number(1.5)});
+  }
+  const SphereSet spheres(balls);
+  std::vector<SphereId> all(spheres.size());
+  std::iota(all.begin(), all.end(), SphereId{0});
+  GridOptions grid;
+  grid.spacing = 0.5;
+  FieldOptions vdw, blinn, subgrids;
+  blinn.kind = FieldKind::blinn;
+  subgrids.kind = FieldKind::soft_object;
+  subgrids.preset = FieldPreset::thesis;
+  for (const FieldOptions& field : {vdw, blinn, subgrids}) {
+    const FieldModel model = make_field_model(field, make_grid(spheres, grid));
+    for (const std::size_t parts : {1u, 5u}) {
+      const auto near = joined_blocks(parts, [&](std::size_t block) {
+        return spheres_near_samples(spheres, model, block, parts);
+      });
+      for (std::size_t part = 0; part < parts; ++part) {
+        ASSERT_TRUE(std::ranges::is_sorted(near[part], std::ranges::less_equal()));
+        const auto few = sample_surface(spheres, model, part, parts, near[part]);
+        const auto with_all = sample_surface(spheres, model, part, parts, all);
+        ASSERT_EQ(few.size(), with_all.size());
+        EXPECT_FALSE(few.empty());
+        double sum = 0, sum_with_all = 0;
+        std::map<SphereId, std::size_t> points;
+        for (std::size_t i = 0; i < few.size(); ++i) {
+          sum += few[i].area;
+          sum_with_all += with_all[i].area;
+          ++points[few[i].sphere];
+          --points[with_all[i].sphere];
+        }
+        constexpr double kRounding = 1e-9;  // of fields and of sums of 16,000 terms, relative
+        EXPECT_NEAR(sum, sum_with_all, kRounding * sum);
+        for (const auto& [sphere, difference] : points) EXPECT_EQ(difference, 0u) << sphere;
+      }
+    }
+  }
+}
+
+TEST(CutBricks, SharesOfAColumnAreEqual) {
   const SphereSet spheres = column_of(64);
   const FieldModel model = union_on(spheres, 0.5);
-  const auto begins = cut_bricks(estimate_bricks(spheres, model, 0, 1), 4);
+  std::vector<BrickArea> areas;
+  for (const SurfaceSample& s : samples_of(spheres, model, 1)) {
+    const double layer = (s.point.z - model.grid.origin.z) / 0.5 / kBrickSide;
+    areas.push_back({brick_key({0, 0, static_cast<std::int32_t>(layer)}), s.area});
+  }
+  const auto begins = cut_bricks(areas, 4);
   for (std::size_t rank = 1; rank < 4; ++rank) {
     const double z = model.grid.origin.z + 8 * 0.5 * brick_of_key(begins[rank]).z;
     constexpr double kTwoSpheres = 20;  // Å: bricks do not end where spheres do
@@ -95,20 +170,32 @@ TEST(EstimateBricks, SharesOfAColumnAreEqual) {
   }
 }
 
-TEST(SpheresNear, OnlyThoseNearTheRange) {
+TEST(SpheresNearRuns, OnlyThoseNearTheRun) {
   const SphereSet spheres = column_of(50);
   const FieldModel model = union_on(spheres, 0.5);
-  const KeyRange range{brick_key({0, 0, 60}), brick_key({0, 0, 61})};
-  const ChosenSpheres near = spheres_near(spheres, model, range);
-  EXPECT_LE(near.ids.size(), 4u);
-  EXPECT_TRUE(std::ranges::is_sorted(near.ids));
-  EXPECT_EQ(spheres_near(spheres, model, {}).ids.size(), spheres.size());
-}
-
-TEST(SpheresNear, IsNeverEmpty) {
-  const SphereSet spheres = column_of(3);
-  const FieldModel model = union_on(spheres, 0.5);
-  EXPECT_EQ(spheres_near(spheres, model, {kNoBrickKey, kNoBrickKey}).ids.size(), 1u);
+  const std::vector<std::uint64_t> begins{0, brick_key({0, 0, 60}), brick_key({0, 0, 61}),
+                                          kNoBrickKey};
+  const auto near = joined_blocks(
+      4, [&](std::size_t block) { return spheres_near_runs(spheres, model, block, begins); });
+  for (const std::vector<SphereId>& ids : near) EXPECT_TRUE(std::ranges::is_sorted(ids));
+  EXPECT_LE(near[1].size(), 4u);
+  EXPECT_GE(near[1].size(), 1u);
+  EXPECT_TRUE(near[3].empty());
+  // The bricks of a run reach from its first layer to the layer behind its last one and one more;
+  // layer k holds the nodes 8 k - 1 to 8 k + 7.
+  const auto is_near = [&](double z, std::int32_t first, std::int32_t last) {
+    const double lower = model.grid.origin.z + 0.5 * (8 * first - 1),
+                 upper = model.grid.origin.z + 0.5 * (8 * last + 7);
+    return z + 2 >= lower && z - 2 <= upper;
+  };
+  for (SphereId id = 0; id < spheres.size(); ++id) {
+    const double z = spheres[id].center.z;
+    const auto found = [&](std::size_t run) { return std::ranges::binary_search(near[run], id); };
+    EXPECT_TRUE(found(0) || !is_near(z, 0, 60)) << id;
+    EXPECT_TRUE(found(1) || !is_near(z, 60, 61)) << id;
+    EXPECT_TRUE(found(2) || !is_near(z, 61, 1000)) << id;
+    EXPECT_TRUE(found(0) || found(1) || found(2)) << id;
+  }
 }
 
 }  // namespace
