@@ -27,10 +27,15 @@ struct AddSums {
   }
 };
 
-// One block of kCountParts threads, each adding one part to the totals.
-__global__ void add_up(const CountPart* parts, const BrickSums* sums, BrickTotals* totals) {
+// One block of kCountParts threads, each adding one part to the totals. `before` has the sums
+// before bricks 1 .. n; those before brick 0 are written here.
+__global__ void add_up(const CountPart* parts, BrickSums* before, std::uint64_t n,
+                       BrickTotals* totals) {
   const CountPart& part = parts[threadIdx.x];
-  if (threadIdx.x == 0) totals->sums = *sums;
+  if (threadIdx.x == 0) {
+    before[0] = {0, 0};
+    totals->sums = before[n];
+  }
   if (part.clipped_cells != 0) atomicAdd(&totals->clipped_cells, part.clipped_cells);
   if (part.surface_bricks != 0) atomicAdd(&totals->surface_bricks, part.surface_bricks);
   atomicMax(&totals->most_atoms, part.most_atoms);
@@ -79,13 +84,6 @@ __global__ void shift_sums(BrickSums* sums, std::uint64_t size, BrickSums shift)
   sums[i] = {sums[i].vertices + shift.vertices, sums[i].triangles + shift.triangles};
 }
 
-// Device memory of the counting pass beside the bricks and their sums; begins as zeros.
-struct CountingTally {
-  CountPart parts[kCountParts];       // of the bricks of the range
-  CountPart halo_parts[kCountParts];  // of the bricks around it, which nobody asks for
-  BrickTotals totals;                 // of the range
-};
-
 // The copy of a slab's array on the device into `host`, from element `first` on.
 template <class T, class U>
 DownloadPart part_for(Buffer<T>& host, std::uint64_t first, const DeviceArray<U>& device) {
@@ -94,15 +92,20 @@ DownloadPart part_for(Buffer<T>& host, std::uint64_t first, const DeviceArray<U>
 
 }  // namespace
 
+struct DeviceBrickMesher::Tally {
+  CountPart parts[kCountParts];       // of the bricks of the range
+  CountPart halo_parts[kCountParts];  // of the bricks around it, which nobody asks for
+  BrickTotals totals;                 // of the range
+  DeviceEmissionTally emission;
+};
+
 DeviceBrickMesher::DeviceBrickMesher(const BrickSource& source, const ExtractOptions& options,
                                      std::size_t sharers)
     : source_(source),
       options_(options),
       sharers_(sharers),
       marks_(source.stream().get()),
-      emission_tally_(1, source.stream().get()) {
-  clear(emission_tally_, source.stream().get());
-}
+      tally_(zeros<Tally>(1, source.stream().get())) {}
 
 // ---- memory ----
 
@@ -160,28 +163,24 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   taken_ += fixed + kept_.bytes();
   counted_.bricks = DeviceArray<ActiveBrick>(n, stream.get());
   own_ = find(own);
-  // The arrows through tally.data() below only compute addresses in device memory.
-  const DeviceArray<CountingTally> tally(1, stream.get());
-  clear(tally, stream.get());
-  // Neighbours follow from the keys alone, and are found beside the counting.
+  const DeviceArray<BrickSums> sums(n, stream.get());
+  // Neighbours follow from the keys alone, and are found beside the counting. The counting is
+  // launched first, since it takes longer.
   neighbours_ = DeviceArray<TriangleNeighbours>(n, stream.get());
   WorkBeside neighbours(stream.get());
+  // The arrows through tally_.data() only compute addresses in device memory.
+  count_all({sums.data(), tally_.data()->parts}, tally_.data()->halo_parts);
   find_triangle_neighbours(candidates_, neighbours_.data(), neighbours.stream());
-  // n + 1 elements, the last of them 0: element n of their exclusive prefix sum is then the total.
-  const DeviceArray<BrickSums> sums(n + 1, stream.get());
-  check_cuda(cudaMemsetAsync(sums.data() + n, 0, sizeof(BrickSums), stream.get()), "scan");
-  count_all({sums.data(), tally.data()->parts}, tally.data()->halo_parts);
   neighbours.join();
   mark_end_of(Stage::count);
   counted_.before = DeviceArray<BrickSums>(n + 1, stream.get());
   run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
-    return cub::DeviceScan::ExclusiveScan(scratch, bytes, sums.data(), counted_.before.data(),
-                                          AddSums{}, BrickSums{0, 0},
-                                          static_cast<std::int64_t>(n + 1), stream.get());
+    return cub::DeviceScan::InclusiveScan(scratch, bytes, sums.data(), counted_.before.data() + 1,
+                                          AddSums{}, static_cast<std::int64_t>(n), stream.get());
   });
-  BrickTotals* const totals = &tally.data()->totals;
-  launch("add_up", add_up, {1, kCountParts}, stream.get(), tally.data()->parts,
-         counted_.before.data() + n, totals);
+  BrickTotals* const totals = &tally_.data()->totals;
+  launch("add_up", add_up, {1, kCountParts}, stream.get(), tally_.data()->parts,
+         counted_.before.data(), n, totals);
   counted_.totals = fetch(totals, stream);
   own_to_ = counted_.totals.sums;
   if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
@@ -257,7 +256,9 @@ DeviceMesh DeviceBrickMesher::emit_on_device() {
 
 void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, std::uint64_t share,
                                      std::uint64_t share_count) {
-  clear(emission_tally_, source_.stream().get());
+  check_cuda(cudaMemsetAsync(&tally_.data()->emission, 0, sizeof(DeviceEmissionTally),
+                             source_.stream().get()),
+             "clearing device memory");
   number_from(first);
   for (const Slab& slab : plan_slabs(share, share_count)) {
     advance(options_.monitor, 0);  // no progress to tell, but a chance to cancel
@@ -364,14 +365,15 @@ DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
 void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
   // Vertices and triangles are made side by side: neither keeps the device busy to its end. The
-  // vertices begin, because their warps take longer.
+  // triangles begin: their thread blocks stay to the end and leave room for those of the vertices,
+  // which wait for memory while triangles issue instructions.
   WorkBeside triangles(stream.get());
+  emit_triangles_on_device(counted_.list(), neighbours_, searched_from_, before_mesh_.data(),
+                           slab.bricks, mesh, &tally_.data()->emission, triangles.stream());
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,
-                        &emission_tally_.data()->clamped);
-  emit_triangles_on_device(counted_.list(), neighbours_, searched_from_, before_mesh_.data(),
-                           slab.bricks, mesh, emission_tally_.data(), triangles.stream());
+                        &tally_.data()->emission.clamped);
   mark_end_of(Stage::vertices);
   triangles.join();
   mark_end_of(Stage::triangles);
@@ -398,7 +400,7 @@ void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
 }
 
 void DeviceBrickMesher::check_tally() {
-  const DeviceEmissionTally tally = fetch(emission_tally_.data(), source_.stream());
+  const DeviceEmissionTally tally = fetch(&tally_.data()->emission, source_.stream());
   clamped_ = tally.clamped;
   if (tally.missing_neighbours == 0) return;
   throw InternalError("the surface continues into bricks that the search did not find, at " +

@@ -51,6 +51,7 @@ class DeviceBrickMesher {
   ExtractStats stats(const ExtractTimings& milliseconds) const;
 
  private:
+  struct Tally;  // device memory that kernels add to; begins as zeros
   enum class Stage : std::uint8_t { search, count, scan, vertices, triangles, download, other };
   struct Slab {
     BrickRange bricks;
@@ -95,7 +96,7 @@ class DeviceBrickMesher {
   HaloVertices halo_;
   DeviceArray<BrickSums> before_mesh_;  // by layer of bricks; empty if all are of one mesh
   DeviceArray<TriangleNeighbours> neighbours_;
-  DeviceArray<DeviceEmissionTally> emission_tally_;
+  DeviceArray<Tally> tally_;
   std::uint64_t clamped_ = 0, slabs_ = 0;
 };
 

@@ -72,34 +72,54 @@ __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsi
 }
 
 // Counts the vertices and triangles that follow from the brick's signs, and their prefix sums over
-// the rows. By one warp, two rows a lane. The counts of vertices and triangles are packed into one
-// word of 2 x 16 bits, so one prefix sum serves both; 16 bits suffice for at most 1536 vertices and
-// 2560 triangles. The caller synchronises before and after.
+// the rows. By one warp: each lane has two neighbouring rows, which share most of their signs. What
+// belongs to the first row is in the lower 16 bits of a word, what belongs to the second in the
+// upper ones, so the bit operations of row_crossings(), mixed_cells() and cell_case() serve both.
+// Counts of vertices and triangles are packed into one word of 2 x 16 bits, so one prefix sum
+// serves both; 16 bits suffice for at most 1536 vertices and 2560 triangles. The caller
+// synchronises before and after.
 __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTable& table,
                                    ActiveBrick& brick) {
-  static_assert(kOwnRows == 2 * kWarp);
+  static_assert(kOwnRows == 2 * kWarp && kBrickSide % 2 == 0 && kBrickReach < 16);
   const unsigned lane = threadIdx.x % kWarp;
-  std::uint32_t clipped = 0,
-                before = 0;  // before: triangles << 16 | vertices of the rows before this turn
-  for (unsigned row = lane; row < kOwnRows; row += kWarp) {
-    const int y = static_cast<int>(row) % kBrickSide, z = static_cast<int>(row) / kBrickSide;
-    const auto vertices =
-        static_cast<std::uint32_t>(vertex_count(row_crossings(brick.signs, y, z)));
-    const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
-    std::uint32_t triangles = 0;
-    for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
-      triangles += table.count(cell_case(brick.signs, __ffs(static_cast<int>(cells)) - 1, y, z));
-    }
-    clipped += static_cast<std::uint32_t>(count_bits(mixed & border_cells(geometry, y, z)));
-    const std::uint32_t own = triangles << 16 | vertices, sum = warp_inclusive_sum(own);
-    brick.row_vertices[row] = static_cast<std::uint16_t>(before + sum - own);
-    brick.row_triangles[row] = static_cast<std::uint16_t>((before + sum - own) >> 16);
-    before += __shfl_sync(kAllLanes, sum, kWarp - 1);
+  const int row = 2 * static_cast<int>(lane), y = row % kBrickSide, z = row / kBrickSide;
+  const auto both = [&](int dy, int dz) {
+    const std::uint16_t* const first = &brick.signs.row[z + dz][y + dy];
+    return first[0] | static_cast<std::uint32_t>(first[1]) << 16;
+  };
+  const std::uint32_t a = both(0, 0), b = both(1, 0), c = both(0, 1), d = both(1, 1);
+  constexpr std::uint32_t own = 0x00ff00ffu, lower = 0xffffu;
+  const std::uint32_t along_xy = ((a ^ a >> 1) & own) | ((a ^ b) & own) << 8;
+  const std::uint32_t along_z = (a ^ c) & own;
+  const auto vertices = static_cast<std::uint32_t>(__popc((along_xy & lower) | along_z << 16));
+  const auto next_vertices =
+      static_cast<std::uint32_t>(__popc(along_xy >> 16 | (along_z & ~lower)));
+  const std::uint32_t any = a | b | c | d, all = a & b & c & d;
+  const std::uint32_t mixed = (any | any >> 1) & ~(all & all >> 1) & own;
+  std::uint32_t triangles = 0;  // of the second row in the upper half
+  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+    const int x = __ffs(static_cast<int>(cells)) - 1;
+    const std::uint32_t inside =
+        (a >> x & 3u) | (b >> x & 3u) << 2 | (c >> x & 3u) << 4 | (d >> x & 3u) << 6;
+    triangles += table.count(inside) << (x & 16);
   }
-  clipped = __reduce_add_sync(kAllLanes, clipped);
-  if (lane != 0) return;
-  brick.vertices = before & 0xffffu;
-  brick.triangles = before >> 16;
+  const std::uint32_t first = triangles << 16 | vertices;
+  const std::uint32_t second = (triangles & ~lower) | next_vertices;
+  const std::uint32_t sum = warp_inclusive_sum(first + second);
+  // Triangles << 16 | vertices of the rows before the first row, and before the second.
+  const std::uint32_t before = sum - first - second, between = before + first;
+  reinterpret_cast<std::uint32_t*>(brick.row_vertices)[lane] = __byte_perm(before, between, 0x5410);
+  reinterpret_cast<std::uint32_t*>(brick.row_triangles)[lane] =
+      __byte_perm(before, between, 0x7632);
+  std::uint32_t clipped = 0;
+  if (geometry.has_virtual_nodes()) {
+    const std::uint32_t border = border_cells(geometry, y, z) | border_cells(geometry, y + 1, z)
+                                                                    << 16;
+    clipped = __reduce_add_sync(kAllLanes, static_cast<std::uint32_t>(__popc(mixed & border)));
+  }
+  if (lane != kWarp - 1) return;
+  brick.vertices = sum & lower;
+  brick.triangles = sum >> 16;
   brick.clipped_cells = clipped;
 }
 

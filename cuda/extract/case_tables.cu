@@ -1,5 +1,6 @@
 // Puts the tables of marching cubes into the memory of a device, once for each device: the case
 // table, and the codes of its half-edges, which are made here from the case table.
+#include <algorithm>
 #include <map>
 #include <mutex>
 
@@ -14,7 +15,7 @@ struct Tables {
   TriangleCodes triangles;
 };
 
-HalfEdgeCode half_edge_code(std::uint8_t edge, std::uint8_t across) {
+HalfEdgeCode code_of(std::uint8_t edge, std::uint8_t across) {
   const CellEdge start = cell_edge(edge);
   const auto row = static_cast<std::uint32_t>(start.y + kBrickReach * start.z);
   const auto column = static_cast<std::uint32_t>(4 * start.x + start.axis);
@@ -26,7 +27,7 @@ HalfEdgeCode half_edge_code(std::uint8_t edge, std::uint8_t across) {
     // The cell across the face numbers it from its other side: lower and upper are exchanged.
     opposite = static_cast<std::uint32_t>(kFirstFaceCode + 4 * (face ^ 1) + slot);
   }
-  return {row | column << 4 | opposite << 8 | static_cast<std::uint32_t>(step) << 24};
+  return half_edge_code(row, column, opposite, step);
 }
 
 const Tables* tables_on_device() {
@@ -56,9 +57,12 @@ TriangleCodes make_triangle_codes(const CaseTable& table) {
   TriangleCodes codes{};
   for (int inside = 0; inside < 256; ++inside) {
     for (int h = 0; h < 3 * table.triangle_count[inside]; ++h) {
-      codes.triangle[inside][h / 3].half_edge[h % 3] =
-          half_edge_code(table.edges[inside][h], table.across[inside][h]);
+      codes.triangle[inside][h / 3].bits |=
+          std::uint64_t{code_of(table.edges[inside][h], table.across[inside][h]).bits}
+          << 21 * (h % 3);
     }
+    codes.count[inside] = table.triangle_count[inside];
+    std::ranges::copy(table.face_half_edge[inside], codes.face_half_edge[inside]);
   }
   for (int x = 0; x < kBrickReach; ++x) {
     for (int axis = 0; axis < 4; ++axis) {

@@ -139,19 +139,31 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   return result;
 }
 
-// The signs of nodes 0 .. 8 of row (y, z) of a brick; 0 for a row of virtual nodes. If the brick is
-// the last of its word, node 8 is in the next word.
-__device__ std::uint32_t row_signs(const SignGrid& grid, const std::uint32_t* words,
-                                   const BrickIndex& brick, int y, int z) {
-  const std::int64_t node_y = lattice_index(brick.y, y) - 1;
-  const std::int64_t node_z = lattice_index(brick.z, z) - 1;
-  if (node_y < 0 || node_y >= grid.height || node_z < 0 || node_z >= grid.depth) return 0;
-  const std::int64_t w = brick.x / kBricksPerWord;
-  const int shift = brick.x % kBricksPerWord * kBrickSide;
-  const std::uint32_t* const word = words + (node_z * grid.height + node_y) * grid.words + w;
-  std::uint32_t bits = *word >> shift;
-  if (shift + kBrickSide == 32 && w + 1 < grid.words) bits |= word[1] << kBrickSide;
-  return bits & ((1u << kBrickReach) - 1);
+// Shares the signs of a brick, whose virtual nodes `g` knows. By a warp. Rows of virtual nodes are
+// not stored, and their signs are 0. If the brick is the last of its word, node 8 is in the next
+// word.
+__device__ void share_signs_of(const SignGrid& grid, const std::uint32_t* words,
+                               const BrickGeometry& g, BrickSigns& signs) {
+  const std::int64_t w = g.brick.x / kBricksPerWord, layer = grid.height * grid.words;
+  const int shift = g.brick.x % kBricksPerWord * kBrickSide;
+  const bool in_next = shift + kBrickSide == 32 && w + 1 < grid.words;
+  // The index of the word in the row of node 0. A lattice index is one above a grid index.
+  const std::int64_t first = (lattice_index(g.brick.z, 0) - 1) * layer +
+                             (lattice_index(g.brick.y, 0) - 1) * grid.words + w;
+  const std::uint32_t real_y = g.real[1], real_z = g.real[2];
+#pragma unroll
+  for (unsigned turn = 0; turn < (kRows + kWarp - 1) / kWarp; ++turn) {
+    const unsigned row = turn * kWarp + threadIdx.x % kWarp;
+    if (row >= kRows) break;
+    const unsigned y = row % kBrickReach, z = row / kBrickReach;
+    std::uint32_t bits = 0;
+    if ((real_y >> y & real_z >> z & 1u) != 0) {
+      const std::uint32_t* const word = words + first + y * grid.words + z * layer;
+      bits = *word >> shift;
+      if (in_next) bits |= word[1] << kBrickSide;
+    }
+    signs.row[z][y] = static_cast<std::uint16_t>(bits & ((1u << kBrickReach) - 1));
+  }
 }
 
 // Counts candidate bricks: writes bricks[i] and the counts of brick i, which has the key keys[i]. A
@@ -166,13 +178,10 @@ __global__ void __launch_bounds__(kBrickThreads)
   const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + warp;
   if (i >= size) return;
   ActiveBrick& brick = shared[warp];
-  const BrickIndex index = brick_of_key(keys[i]);
-  for (unsigned row = lane; row < kRows; row += kWarp) {
-    const auto y = static_cast<int>(row) % kBrickReach, z = static_cast<int>(row) / kBrickReach;
-    brick.signs.row[z][y] = static_cast<std::uint16_t>(row_signs(grid, words, index, y, z));
-  }
   if (lane == 0) brick.key = keys[i];
   share_geometry<NodeCoordinates::left_out>(spec, keys[i], geometry[warp]);
+  share_signs_of(grid, words, geometry[warp], brick.signs);
+  __syncwarp();
   count_brick(geometry[warp], *table, brick);
   __syncwarp();
   store_count(brick, i, bricks, counts);

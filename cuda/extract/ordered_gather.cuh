@@ -30,11 +30,19 @@ __device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) 
 }
 
 // The sum of the arguments of this lane and all lower lanes. All lanes must call it together.
+// The shuffle itself says whether there is a lane `step` below, which saves a comparison.
 __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
-  const unsigned lane = threadIdx.x % kWarp;
+#pragma unroll
   for (unsigned step = 1; step < kWarp; step *= 2) {
-    const std::uint32_t below = __shfl_up_sync(kAllLanes, sum, step);
-    if (lane >= step) sum += below;
+    asm volatile(
+        "{\n\t"
+        ".reg .u32 below;\n\t"
+        ".reg .pred there;\n\t"
+        "shfl.sync.up.b32 below|there, %0, %1, 0, %2;\n\t"
+        "@there add.u32 %0, %0, below;\n\t"
+        "}"
+        : "+r"(sum)
+        : "r"(step), "r"(kAllLanes));
   }
   return sum;
 }

@@ -1,5 +1,7 @@
-// The marching cubes cases as emit_triangles.cu reads them: one word for a half-edge, one load of
-// 16 bytes for a triangle.
+// The marching cubes cases as emit_triangles.cu reads them: 21 bits for a half-edge, one load of 8
+// bytes for a triangle. All tables together take 17 KB, which a thread block keeps in shared
+// memory: each lane looks up another case, and the first-level cache serves such loads line by
+// line.
 //
 // The cells of a brick and of the layers beyond its faces make a shell of 10 x 10 x 10 cells, whose
 // coordinates are -1 .. 8; its corners and edges are not used. Cells of the shell are numbered by
@@ -24,7 +26,7 @@ VDWMESH_HD constexpr int shell_cell(int x, int y, int z) {
   return (x + 1) * shell_step(0) + (y + 1) * shell_step(1) + (z + 1) * shell_step(2);
 }
 
-// A half-edge of a case.
+// A half-edge of a case, in the lowest 21 bits; the bits above are of other half-edges.
 struct HalfEdgeCode {
   std::uint32_t bits;
 
@@ -33,20 +35,29 @@ struct HalfEdgeCode {
   VDWMESH_HD std::uint32_t row() const { return bits & 15u; }
   // 4 * (the node's x less the cell's) + the axis of the edge.
   VDWMESH_HD std::uint32_t column() const { return bits >> 4 & 7u; }
-  // Its opposite is in the cell of the shell at this step; 0: in the same cell.
-  VDWMESH_HD int step() const { return static_cast<int>(bits) >> 24; }
   // Which half-edge of that cell the opposite is: its number if it is in the same cell, else
   // kFirstFaceCode plus the place in CaseTable::face_half_edge[case of that cell].
-  VDWMESH_HD std::uint32_t opposite() const { return bits >> 8 & 63u; }
+  VDWMESH_HD std::uint32_t opposite() const { return bits >> 7 & 63u; }
+  // Its opposite is in the cell of the shell at this step; 0: in the same cell.
+  VDWMESH_HD int step() const { return static_cast<int>(bits << 11) >> 24; }
+};
+VDWMESH_HD constexpr HalfEdgeCode half_edge_code(std::uint32_t row, std::uint32_t column,
+                                                 std::uint32_t opposite, int step) {
+  return {row | column << 4 | opposite << 7 | (static_cast<std::uint32_t>(step) & 255u) << 13};
+}
+
+struct TriangleCode {
+  std::uint64_t bits;  // half-edge k from bit 21 k on
+
+  VDWMESH_HD HalfEdgeCode half_edge(int k) const {
+    return {static_cast<std::uint32_t>(bits >> 21 * k)};
+  }
 };
 
-struct alignas(16) TriangleCode {
-  HalfEdgeCode half_edge[3];
-  std::uint32_t unused;
-};
-
-struct TriangleCodes {
+struct alignas(16) TriangleCodes {
   TriangleCode triangle[256][kMaxCaseTriangles];
+  std::uint8_t face_half_edge[256][24];  // of CaseTable
+  std::uint8_t count[256];               // CaseTable::triangle_count
   // crossings_before(x % 8, axis) at 4 x + axis, for x = 0 .. 8.
   std::uint32_t before[4 * kBrickReach];
 };
