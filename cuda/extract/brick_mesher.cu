@@ -14,6 +14,7 @@
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/quick_fetch.cuh"
 #include "cuda/memory/transfer.cuh"
 #include "cuda/memory/work_beside.cuh"
 #include "extract/brick_search.hpp"
@@ -152,6 +153,9 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   const Stream& stream = source_.stream();
   candidates_ = std::move(candidates);
   mark_end_of(Stage::search);
+  if (candidates_.padded && !fits(candidates_.count * (kBrickBytes + field_bytes(1)))) {
+    end_list_at(find({kNoBrickKey, kNoBrickKey}).begin);
+  }
   const std::uint64_t n = candidates_.count;
   const std::uint64_t fixed = n * kBrickBytes, each = field_bytes(1);
   const bool whole = fits(fixed + n * each);
@@ -181,17 +185,27 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   BrickTotals* const totals = &tally_.data()->totals;
   launch("add_up", add_up, {1, kCountParts}, stream.get(), tally_.data()->parts,
          counted_.before.data(), n, totals);
-  counted_.totals = fetch(totals, stream);
+  counted_.totals = fetch_by_kernel(totals, stream);
+  // Every brick of a padded list holds surface.
+  if (candidates_.padded) end_list_at(counted_.totals.surface_bricks);
   own_to_ = counted_.totals.sums;
-  if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
-  if (own_.end < n) own_to_ = fetch(counted_.before.data() + own_.end, stream);
+  if (own_.begin > 0) own_from_ = fetch_by_kernel(counted_.before.data() + own_.begin, stream);
+  if (own_.end < candidates_.count)
+    own_to_ = fetch_by_kernel(counted_.before.data() + own_.end, stream);
   halo_ = {own_from_.vertices, counted_.totals.sums.vertices - own_to_.vertices, 0};
   if (own.end != kNoBrickKey) {
     const std::uint64_t begin = find({first_with_border(own), own.end}).begin;
-    const BrickSums sums_there = fetch(counted_.before.data() + begin, stream);
+    const BrickSums sums_there = fetch_by_kernel(counted_.before.data() + begin, stream);
     halo_.naming_triangles = own_to_.triangles - sums_there.triangles;
   }
   mark_end_of(Stage::scan);
+}
+
+// Leaves out the padding of the list of candidates, which are so many.
+void DeviceBrickMesher::end_list_at(std::uint64_t count) {
+  candidates_.count = count;
+  candidates_.padded = false;
+  own_.end = count;
 }
 
 // The candidates of the range.
@@ -201,7 +215,7 @@ BrickRange DeviceBrickMesher::find(const KeyRange& range) const {
   const DeviceArray<BrickRange> found(1, stream.get());
   launch("find_keys", find_keys, {1, 2}, stream.get(), candidates_.keys.data(), candidates_.count,
          range, found.data());
-  return fetch(found.data(), stream);
+  return fetch_by_kernel(found.data(), stream);
 }
 
 // Counts the bricks of the range, and with a tally of their own those before and behind it.
@@ -400,7 +414,7 @@ void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
 }
 
 void DeviceBrickMesher::check_tally() {
-  const DeviceEmissionTally tally = fetch(&tally_.data()->emission, source_.stream());
+  const DeviceEmissionTally tally = fetch_by_kernel(&tally_.data()->emission, source_.stream());
   clamped_ = tally.clamped;
   if (tally.missing_neighbours == 0) return;
   throw InternalError("the surface continues into bricks that the search did not find, at " +

@@ -8,6 +8,7 @@
 // 4. count_sampled counts them; DeviceBrickMesher numbers and emits them as for any field.
 // Values are read again only for the vertices: at the ends of crossed edges and, for normals,
 // around them.
+#include <algorithm>
 #include <string>
 
 #include "cuda/extract/brick_warp.cuh"
@@ -120,8 +121,8 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-// Keys, rising, of the bricks of the range whose nodes are of both signs. Throws LimitExceeded if
-// they are more than `most`.
+// Keys, rising, of the bricks of the range whose nodes are of both signs. If the grid has few
+// bricks, the list is padded. Throws LimitExceeded if they are more than `most`.
 KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const KeyRange& range,
                      std::uint64_t most, const Stream& stream) {
   const auto bricks = static_cast<std::size_t>(grid.brick_total());
@@ -130,6 +131,10 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   launch("find_mixed", find_mixed,
          over(static_cast<std::uint64_t>(row_words), kThreads - 1, kThreads), stream, grid, words,
          range, mixed.data());
+  constexpr std::uint64_t few = 65536;
+  if (bricks <= std::min(few, most)) {
+    return padded_keys_of_marks(mixed.data(), grid.bricks, stream);
+  }
   KeyList result = keys_of_marks(mixed.data(), grid.bricks, bricks, stream);
   if (result.count > most) {
     throw LimitExceeded("the surface crosses " + std::to_string(result.count) +
@@ -166,8 +171,9 @@ __device__ void share_signs_of(const SignGrid& grid, const std::uint32_t* words,
   }
 }
 
-// Counts candidate bricks: writes bricks[i] and the counts of brick i, which has the key keys[i]. A
-// warp per brick, 2 warps per thread block; about 1.4 KB of shared memory.
+// Counts candidate bricks: writes bricks[i] and the counts of brick i, which has the key keys[i].
+// For kNoBrickKey, which pads the list, the counts are 0. A warp per brick, 2 warps per thread
+// block; about 1.4 KB of shared memory.
 __global__ void __launch_bounds__(kBrickThreads)
     count_sampled(GridSpec spec, SignGrid grid, const std::uint32_t* words,
                   const std::uint64_t* keys, std::uint64_t size, const CaseTable* table,
@@ -177,9 +183,14 @@ __global__ void __launch_bounds__(kBrickThreads)
   const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
   const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + warp;
   if (i >= size) return;
+  const std::uint64_t key = keys[i];
+  if (key == kNoBrickKey) {
+    if (lane == 0) counts.sums[i] = {0, 0};
+    return;
+  }
   ActiveBrick& brick = shared[warp];
-  if (lane == 0) brick.key = keys[i];
-  share_geometry<NodeCoordinates::left_out>(spec, keys[i], geometry[warp]);
+  if (lane == 0) brick.key = key;
+  share_geometry<NodeCoordinates::left_out>(spec, key, geometry[warp]);
   share_signs_of(grid, words, geometry[warp], brick.signs);
   __syncwarp();
   count_brick(geometry[warp], *table, brick);

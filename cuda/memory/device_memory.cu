@@ -6,7 +6,6 @@
 
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_memory.cuh"
-#include "cuda/memory/launch.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -20,11 +19,6 @@ struct FreePlaces {
 FreePlaces& free_places() {
   static auto* const all = new FreePlaces;
   return *all;
-}
-
-// By one thread block.
-__global__ void copy_words(const std::uint32_t* from, std::uint32_t* to, unsigned count) {
-  for (unsigned w = threadIdx.x; w < count; w += blockDim.x) to[w] = from[w];
 }
 
 }  // namespace
@@ -54,18 +48,6 @@ StagingBuffer::StagingBuffer(std::size_t bytes) {
 
 StagingBuffer::~StagingBuffer() {
   if (locked_ != nullptr) cudaFreeHost(locked_);
-}
-
-// With unified addressing, which all devices here have, page-locked memory has one address for host
-// and device.
-void FetchPlace::copy(const void* device, std::size_t bytes, cudaStream_t stream) const {
-  if (place_->is_locked()) {
-    launch("fetch", copy_words, {1, 32}, stream, static_cast<const std::uint32_t*>(device),
-           static_cast<std::uint32_t*>(place_->data()), bytes / sizeof(std::uint32_t));
-  } else {
-    check_cuda(cudaMemcpyAsync(place_->data(), device, bytes, cudaMemcpyDeviceToHost, stream),
-               "download");
-  }
 }
 
 FetchPlace::Place FetchPlace::take() {

@@ -124,6 +124,31 @@ TEST_F(Parity, AFieldInMemoryIsMeshedInSlabs) {
   EXPECT_GT(most_slabs, 2u);
 }
 
+// A grid of 41 x 41 x 41 bricks: where there are so many, the device fetches the number of those
+// with surface before it counts; in the smaller grids of the other tests it does not.
+TEST_F(Parity, AFieldOfManyBricksInMemory) {
+  constexpr std::int64_t cells = 320;
+  SampledField field{{{0, 0, 0}, 0.5, {cells, cells, cells}}, {}, 0.0f};
+  field.values.resize(field.grid.node_count());
+  const Vec3d middle{80.1, 79.9, 80.2};
+  auto value = field.values.begin();
+  for (std::int64_t z = 0; z <= cells; ++z) {
+    for (std::int64_t y = 0; y <= cells; ++y) {
+      for (std::int64_t x = 0; x <= cells; ++x) {
+        const Vec3d p =
+            0.5 * Vec3d{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+        *value++ = static_cast<float>(60 - norm(p - middle));
+      }
+    }
+  }
+  ExtractOptions options;
+  options.connectivity = Connectivity::half_edges;
+  const ExtractResult cpu = make_field_mesher(Backend::cpu)->mesh(field, options);
+  const ExtractResult cuda = make_field_mesher(Backend::cuda)->mesh(field, options);
+  expect_same(cpu.mesh, cuda.mesh, "a ball in many bricks");
+  expect_same_counts(cpu.stats, cuda.stats, "a ball in many bricks");
+}
+
 // The automatic classes mesh on the CPU what does not fit, and say so; the CUDA ones refuse it.
 TEST_F(Parity, AutomaticBackendsFallBack) {
   const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);
