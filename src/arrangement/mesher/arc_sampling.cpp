@@ -132,15 +132,17 @@ void ArcSampling::split_arc(std::span<const PieceSplit> splits) {
 
 void ArcSampling::number_vertices() {
   first_vertex_.resize(pieces_.size() + 1);
+  // At first, how many vertices each arc has. A whole circle of n pieces has n points of its own;
+  // any other arc shares its two ends and has n - 1.
+  for_each_index(pieces_.size(), [&](std::size_t a) {
+    first_vertex_[a] = pieces_[a] - (boundary_.arcs[a].is_circle() ? 0 : 1);
+  });
+  first_vertex_.back() = 0;
   std::uint64_t next = boundary_.corners.size();
-  for (std::size_t a = 0; a < pieces_.size(); ++a) {
-    first_vertex_[a] = static_cast<std::uint32_t>(next);
-    // A whole circle of n pieces has n points of its own; any other arc shares its two ends and has
-    // n - 1.
-    next += pieces_[a] - (boundary_.arcs[a].is_circle() ? 0 : 1);
-    if (next >= kNoIndex) throw LimitExceeded("the arcs have more than 2^32 - 2 vertices");
+  for (std::uint32_t& first : first_vertex_) {
+    next += std::exchange(first, static_cast<std::uint32_t>(next));
   }
-  first_vertex_.back() = static_cast<std::uint32_t>(next);
+  if (next >= kNoIndex) throw LimitExceeded("the arcs have more than 2^32 - 2 vertices");
 }
 
 PointSource ArcSampling::source(std::uint32_t arc, std::uint32_t index) const {

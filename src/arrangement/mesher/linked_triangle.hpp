@@ -45,22 +45,30 @@ VDWMESH_HD inline void relink(LinkedTriangle* triangles, std::uint32_t t, std::u
 // opposite to the edge bc, and vertex d of n, triangles (a, b, c) and (d, c, b) become (a, b, d),
 // which is t, and (a, d, c), which is n. So a is corner 0 of both, and their edges 0 are those of
 // n. The corner of n opposite to the edge is m.
+//
+// Every number is read by itself, before any is written: copies of whole triangles would be read in
+// larger parts than those in which the flip before has written them, for which a processor waits.
 VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uint32_t k,
                             std::uint32_t m) {
-  const LinkedTriangle one = triangles[t];
+  LinkedTriangle& one = triangles[t];
   const std::uint32_t n = one.neighbors[k];
-  const LinkedTriangle two = triangles[n];
+  LinkedTriangle& two = triangles[n];
   const std::uint32_t k1 = corner_after(k), k2 = corner_before(k);
   const std::uint32_t m1 = corner_after(m), m2 = corner_before(m);
   const std::uint32_t a = one.vertices[k], b = one.vertices[k1], c = one.vertices[k2],
                       d = two.vertices[m];
-  // The corners m1 and m2 of n are c and b. So edge bd of n is opposite to m1, and dc to m2.
-  triangles[t] = {{a, b, d},
-                  {two.neighbors[m1], n, one.neighbors[k2]},
-                  {two.pieces[m1], kNoPiece, one.pieces[k2]}};
-  triangles[n] = {{a, d, c},
-                  {two.neighbors[m2], one.neighbors[k1], t},
-                  {two.pieces[m2], one.pieces[k1], kNoPiece}};
+  // What lies beyond each edge. The corners m1 and m2 of n are c and b. So edge bd of n is opposite
+  // to m1, and dc to m2.
+  const std::uint32_t beyond_ab = one.neighbors[k2], beyond_ca = one.neighbors[k1],
+                      beyond_bd = two.neighbors[m1], beyond_dc = two.neighbors[m2];
+  const std::uint32_t piece_ab = one.pieces[k2], piece_ca = one.pieces[k1],
+                      piece_bd = two.pieces[m1], piece_dc = two.pieces[m2];
+  one.vertices = {a, b, d};
+  one.neighbors = {beyond_bd, n, beyond_ab};
+  one.pieces = {piece_bd, kNoPiece, piece_ab};
+  two.vertices = {a, d, c};
+  two.neighbors = {beyond_dc, beyond_ca, t};
+  two.pieces = {piece_dc, piece_ca, kNoPiece};
   relink(triangles, t, 0, n);
   relink(triangles, n, 1, t);
 }

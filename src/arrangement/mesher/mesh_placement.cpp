@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/fixed_blocks.hpp"
+#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 
@@ -103,8 +104,9 @@ void MeshPlacement::place_patch(const PatchMesh& patch, std::uint32_t ball,
 // unused entries of `balls` are kNoIndex. The label has the ids of the spheres in ascending order.
 // The normal is the mean of the spheres' normals. If these cancel, as at a point of contact, the
 // normal of the first sphere is taken: a sum shorter than 1e-6 would have no reliable direction.
-void MeshPlacement::place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls,
-                          std::size_t vertex, IndexedMesh& mesh) const {
+VDWMESH_MULTIVERSION void MeshPlacement::place(const Vec3d& p,
+                                               const std::array<std::uint32_t, 3>& balls,
+                                               std::size_t vertex, IndexedMesh& mesh) const {
   Vec3d sum{0, 0, 0}, first{0, 0, 0};
   VertexSpheres label{kNoSphere, kNoSphere, kNoSphere};
   for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {

@@ -27,6 +27,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/multiversion.hpp"
+
 namespace vdwmesh {
 
 double flat_triangle_error(double area, double edge_length) {
@@ -37,8 +39,8 @@ double lens_area(const PatchBoundary& boundary, const BoundaryPiece& piece) {
   return squared_norm(boundary.points[piece.to] - boundary.points[piece.from]) * piece.bulge / 6;
 }
 
-void split_for_area(const PatchBoundary& boundary, double area, double edge_length,
-                    PatchVector<PieceSplit>& splits) {
+VDWMESH_MULTIVERSION void split_for_area(const PatchBoundary& boundary, double area,
+                                         double edge_length, PatchVector<PieceSplit>& splits) {
   const double flat = flat_triangle_error(area, edge_length);
   const double counted = std::max(area, kCountedArea * edge_length * edge_length);
   const double most = std::max(kLargestAreaError * counted, kFlatTriangleErrors * flat);

@@ -1,5 +1,5 @@
-// The smoothing and the search for defects (patch_smoothing.hpp), compiled for the host. The
-// smoothing is compiled in two versions, for two generations of processors.
+// The smoothing and the search for defects (patch_smoothing.hpp), compiled for the host, in two
+// versions, for two generations of processors.
 #include "arrangement/mesher/patch_smoothing.hpp"
 #include "core/multiversion.hpp"
 
@@ -11,7 +11,11 @@ VDWMESH_MULTIVERSION void smooth(const PatchBoundaryView& boundary, const PointC
   smoothing::Smoother<GrowingMemory>(boundary, circles, scratch, patch).run(passes);
 }
 
-template void find_defects(const PatchBoundaryView& boundary, const PatchTriangles& patch,
-                           PatchVector<std::uint32_t>& found);
+template <>
+VDWMESH_MULTIVERSION void find_defects(const PatchBoundaryView& boundary,
+                                       const PatchTriangles& patch,
+                                       PatchVector<std::uint32_t>& found) {
+  smoothing::DefectFinder<GrowingMemory>(boundary, patch, found).run();
+}
 
 }  // namespace vdwmesh

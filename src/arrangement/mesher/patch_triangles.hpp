@@ -41,7 +41,7 @@ template <class Memory>
 VDWMESH_HD void smooth(const PatchBoundaryView& boundary, const PointCirclesOf<Memory>& circles,
                        int passes, SmoothingScratchOf<Memory>& scratch,
                        PatchTrianglesOf<Memory>& patch);
-// That of the host is compiled in patch_triangles.cpp.
+// Those of the host are compiled in patch_triangles.cpp.
 template <>
 void smooth(const PatchBoundaryView& boundary, const PointCircles& circles, int passes,
             SmoothingScratch& scratch, PatchTriangles& patch);
@@ -54,8 +54,8 @@ template <class Memory>
 VDWMESH_HD void find_defects(const PatchBoundaryView& boundary,
                              const PatchTrianglesOf<Memory>& patch,
                              typename Memory::template Array<std::uint32_t>& found);
-extern template void find_defects<GrowingMemory>(const PatchBoundaryView& boundary,
-                                                 const PatchTriangles& patch,
-                                                 PatchVector<std::uint32_t>& found);
+template <>
+void find_defects<GrowingMemory>(const PatchBoundaryView& boundary, const PatchTriangles& patch,
+                                 PatchVector<std::uint32_t>& found);
 
 }  // namespace vdwmesh

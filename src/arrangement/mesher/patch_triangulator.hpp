@@ -221,17 +221,20 @@ class PatchTriangulator {
     if (circles_.on(t.vertices[k], boundary_.pieces[piece].neighbor)) return;
     const Vec3d &a = points_[t.vertices[k1]], &b = points_[t.vertices[k2]],
                 &p = points_[t.vertices[k]];
-    const double length = norm(b - a);
-    if (length <= kShortest * edge_length_) return;
     const std::uint32_t sides[2] = {k1, k2};
     for (const std::uint32_t other : sides) {
       // Edge `other` is opposite to one end of the piece, so it starts at the other end.
       if (t.pieces[other] == kNoPiece) continue;
-      const double beside = other == k1 ? norm(p - b) : norm(p - a);
-      if (length > kCornerRatio * beside) want_split(piece);
+      if (is_long_at_corner(a, b, other == k1 ? b : a, p)) want_split_for_quality(piece, a, b);
       return;
     }
-    if (const std::uint32_t halvings = halvings_for_width(a, b, p)) want_split(piece, halvings);
+    if (const std::uint32_t halvings = halvings_for_width(a, b, p)) {
+      want_split_for_quality(piece, a, b, halvings);
+    }
+  }
+  VDWMESH_HD void want_split_for_quality(std::uint32_t piece, const Vec3d& a, const Vec3d& b,
+                                         std::uint32_t halvings = 1) {
+    if (norm(b - a) > kShortest * edge_length_) want_split(piece, halvings);
   }
 
   // Step (3): inserts the points of the subdivided icosahedron that are outside all caps by the
@@ -255,9 +258,16 @@ class PatchTriangulator {
     }
   }
 
-  VDWMESH_HD bool is_clear(const Vec3d& u) const {
+  // Begins with the cap that the point before was too near to: mostly this one is, too.
+  VDWMESH_HD bool is_clear(const Vec3d& u) {
+    const auto is_near = [&](std::size_t cap) {
+      return !(dot(u, boundary_.caps[cap].axis) <= work_.margins[cap]);
+    };
+    if (is_near(last_cap_)) return false;
     for (std::size_t i = 0; i < work_.margins.size(); ++i) {
-      if (!(dot(u, boundary_.caps[i].axis) <= work_.margins[i])) return false;
+      if (!is_near(i)) continue;
+      last_cap_ = i;
+      return false;
     }
     return true;
   }
@@ -462,6 +472,7 @@ class PatchTriangulator {
   const AngleBound* angles_ = nullptr;
   double bad_sine_ = kBadAngleSine;
   Stereographic projection_;
+  std::size_t last_cap_ = 0;  // of is_clear(); there is one at least
   Lattice& lattice_;
   PatchWork<Memory>& work_;
   // Parts of the work.

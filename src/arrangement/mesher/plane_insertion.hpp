@@ -225,30 +225,34 @@ VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::search_all(const P
   return {0, 0, Place::outside};
 }
 
-// Splits triangle t at a vertex inside of it, or on one of its edges; then one of the three new
-// triangles is flat until the caller flips its edge. The new triangle at edge k of t is
-// (vertex, v[k + 1], v[k + 2]). Puts the three on the stack.
+// Splits triangle t = (a, b, c) at a vertex inside of it, or on one of its edges; then one of the
+// three new triangles is flat until the caller flips its edge. They are (vertex, b, c), which is t,
+// (vertex, c, a) and (vertex, a, b). Puts the three on the stack.
 template <class Memory>
 VDWMESH_HD void PlaneTriangulationOf<Memory>::split(std::uint32_t t, std::uint32_t vertex) {
-  const LinkedTriangle old = triangles_[t];
-  const auto added = static_cast<std::uint32_t>(triangles_.size());
-  const std::array<std::uint32_t, 3> parts{t, added, added + 1};
-  for (std::uint32_t k = 0; k < 3; ++k) {
-    const std::uint32_t k1 = corner_after(k), k2 = corner_before(k);
-    const LinkedTriangle part{{vertex, old.vertices[k1], old.vertices[k2]},
-                              {old.neighbors[k], parts[k1], parts[k2]},
-                              {old.pieces[k], kNoPiece, kNoPiece}};
-    if (k == 0) {
-      triangles_[t] = part;
-    } else {
-      triangles_.push_back(part);
-      inside_.push_back(inside_[t]);
-      relink(triangles_.data(), parts[k], 0, t);
-    }
-    star(old.vertices[k1]) = parts[k];
-    stack_.push_back(parts[k]);
-  }
-  star(vertex) = t;
+  LinkedTriangle& first = triangles_[t];
+  const auto second = static_cast<std::uint32_t>(triangles_.size()), third = second + 1;
+  // Number by number, as in flip().
+  const std::uint32_t a = first.vertices[0], b = first.vertices[1], c = first.vertices[2];
+  const std::uint32_t beyond_ca = first.neighbors[1], beyond_ab = first.neighbors[2];
+  const std::uint32_t piece_ca = first.pieces[1], piece_ab = first.pieces[2];
+  first.vertices[0] = vertex;
+  first.neighbors[1] = second;
+  first.neighbors[2] = third;
+  first.pieces[1] = first.pieces[2] = kNoPiece;
+  triangles_.push_back({{vertex, c, a}, {beyond_ca, third, t}, {piece_ca, kNoPiece, kNoPiece}});
+  triangles_.push_back({{vertex, a, b}, {beyond_ab, t, second}, {piece_ab, kNoPiece, kNoPiece}});
+  const auto side = inside_[t];
+  inside_.push_back(side);
+  inside_.push_back(side);
+  relink(triangles_.data(), second, 0, t);
+  relink(triangles_.data(), third, 0, t);
+  star(b) = star(vertex) = t;
+  star(c) = second;
+  star(a) = third;
+  stack_.push_back(t);
+  stack_.push_back(second);
+  stack_.push_back(third);
 }
 
 // flip() replaces one of the triangles at either end of the old edge, so the stars of these ends
@@ -280,16 +284,21 @@ VDWMESH_HD void PlaneTriangulationOf<Memory>::legalize_around_new() {
   LinkedTriangle* const all = triangles_.data();
   while (!stack_.empty()) {
     const std::uint32_t t = stack_.back();
-    stack_.pop_back();
     const LinkedTriangle& w = all[t];
     const std::uint32_t n = w.neighbors[0];
-    if (n == kNoNeighbor || w.pieces[0] != kNoPiece) continue;
+    if (n == kNoNeighbor || w.pieces[0] != kNoPiece) {
+      stack_.pop_back();
+      continue;
+    }
     const std::uint32_t m = all[n].corner_opposite(t), apex = all[n].vertices[m];
-    if (!(in_circle(w, point(apex), apex) > 0)) continue;
+    if (!(in_circle(w, point(apex), apex) > 0)) {
+      stack_.pop_back();
+      continue;
+    }
     star(w.vertices[1]) = t;
     star(w.vertices[2]) = n;
     flip(all, t, 0, m);
-    stack_.push_back(t);
+    // Triangle t stays on the stack.
     stack_.push_back(n);
   }
 }

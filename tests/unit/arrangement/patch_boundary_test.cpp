@@ -1,14 +1,18 @@
-// What a ball covers of its neighbour's sphere, down to caps of which the cosine knows nothing.
+// What a ball covers of its neighbour's sphere, down to caps of which the cosine knows nothing; and
+// what a boundary says of its points and pieces.
 #include "arrangement/mesher/patch_boundary.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
 
 #include "arrangement/directions.hpp"
+#include "arrangement/mesher/patch_quality.hpp"
+#include "arrangement/mesher/point_circles.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh {
@@ -165,6 +169,82 @@ TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
       expect_same(boundaries[b], vertices_by_sources(arcs, sampling, b, boundaries[b]), gathered,
                   gathered_vertices);
     }
+  }
+}
+
+// A boundary by its pieces alone, as (from, to, neighbor).
+PatchBoundary boundary_of(std::uint32_t points,
+                          const std::vector<std::array<std::uint32_t, 3>>& pieces) {
+  PatchBoundary boundary;
+  boundary.points.resize(points);
+  for (const auto& [from, to, neighbor] : pieces) {
+    boundary.pieces.push_back({from, to, neighbor, {}, 0});
+  }
+  return boundary;
+}
+
+// Closed curves, points where two of them meet, as many points as pieces but one point without any,
+// and other spheres through a point.
+TEST(PointCircles, AreThoseOfThePiecesThatEndThere) {
+  PatchBoundary joined = boundary_of(3, {{0, 1, 7}, {1, 2, 8}, {2, 0, 9}});
+  joined.through.push_back({1, 5});
+  const std::vector<PatchBoundary> boundaries{
+      boundary_of(0, {}), boundary_of(5, {{0, 1, 7}, {1, 2, 7}, {2, 0, 8}, {4, 3, 9}, {3, 4, 9}}),
+      boundary_of(5, {{0, 1, 4}, {1, 2, 5}, {2, 0, 6}, {0, 3, 7}, {3, 4, 8}, {4, 0, 9}}),
+      boundary_of(4, {{0, 1, 7}, {1, 0, 8}, {0, 2, 7}, {2, 0, 8}}), joined};
+  PointCircles circles;
+  for (const PatchBoundary& boundary : boundaries) {
+    circles.assign(boundary);
+    const auto passes = [&](std::uint32_t point, std::uint32_t neighbor) {
+      return std::ranges::any_of(boundary.pieces,
+                                 [&](const BoundaryPiece& p) {
+                                   return p.neighbor == neighbor &&
+                                          (p.from == point || p.to == point);
+                                 }) ||
+             std::ranges::any_of(boundary.through, [&](const SphereThrough& s) {
+               return s.point == point && s.ball == neighbor;
+             });
+    };
+    // Points beyond the boundary are interior points.
+    for (std::uint32_t point = 0; point < 8; ++point) {
+      for (std::uint32_t neighbor = 0; neighbor < 12; ++neighbor) {
+        EXPECT_EQ(circles.on(point, neighbor), passes(point, neighbor)) << point << " " << neighbor;
+      }
+      for (std::uint32_t other = 0; other < 8; ++other) {
+        bool shares = false;
+        for (std::uint32_t n = 0; n < 12; ++n) shares |= passes(point, n) && passes(other, n);
+        EXPECT_EQ(circles.share(point, other), shares) << point << " " << other;
+      }
+    }
+  }
+}
+
+// With the roots and quotients that most pieces do without, in all sizes and around the thresholds.
+TEST(PatchQuality, PiecesAreLongByTheDefinition) {
+  testing::Dice dice(7);
+  std::size_t long_at_corner = 0, narrow = 0;
+  constexpr int kTries = 200'000;
+  for (int i = 0; i < kTries; ++i) {
+    const double size = std::pow(10.0, dice.real(-9, 0)), width = size * dice.real(0.25, 0.35);
+    const Vec3d a{0.6, 0, 0.8}, along = unit(Vec3d{dice.real(-1, 1), dice.real(-1, 1), 1});
+    const Vec3d across = any_orthogonal(along), b = a + size * along;
+    const bool on_threshold = dice.one_in(4);
+    const Vec3d p = a + size * dice.real(-0.4, 1.4) * along +
+                    (on_threshold ? kLocalWidth * size : width) * across;
+    const Vec3d q = b + size * (on_threshold ? 1 / kCornerRatio : dice.real(0.3, 0.7)) * across;
+    const double length = norm(b - a);
+    EXPECT_EQ(is_long_at_corner(a, b, b, q), length > kCornerRatio * norm(q - b));
+    const double foot = dot(p - a, b - a) / squared_norm(b - a);
+    const double height = norm(cross(b - a, p - a)) / length;
+    const bool is_narrow = foot > -0.2 && foot < 1.2 && height < kLocalWidth * length;
+    EXPECT_EQ(halvings_for_width(a, b, p),
+              is_narrow ? (height * 2 < kLocalWidth * length ? 2u : 1u) : 0u);
+    long_at_corner += is_long_at_corner(a, b, b, q);
+    narrow += is_narrow;
+  }
+  for (const std::size_t count : {long_at_corner, narrow}) {
+    EXPECT_GT(count, kTries / 10u);
+    EXPECT_LT(count, kTries * 9u / 10);
   }
 }
 
