@@ -5,7 +5,7 @@
 #                    [OF_PROGRAM])
 #
 # A room OF_PROGRAM is not for users of the library: find_package(vdwmesh) does not know it.
-# APART names the files that vdwmesh_join_sources() cannot join, under a sanitizer, with the others.
+# APART names the files that vdwmesh_join_sources() cannot join with the others.
 function(vdwmesh_add_room room)
   cmake_parse_arguments(ARG "OF_PROGRAM" "" "SOURCES;PUBLIC;PRIVATE;APART" ${ARGN})
   set(target vdwmesh_${room})
@@ -15,7 +15,7 @@ function(vdwmesh_add_room room)
     DEFINE_SYMBOL "")
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   vdwmesh_target_warnings(${target})
-  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
+  if(VDWMESH_JOIN_ROOMS)
     vdwmesh_join_sources(${target} ${ARG_APART})
   endif()
   if(ARG_OF_PROGRAM)
@@ -36,26 +36,28 @@ function(vdwmesh_target_warnings target)
   endif()
 endfunction()
 
-# For what is compiled to be run once: VDWMESH_QUICK_BUILD in place of the build type's optimisation.
+# For what is compiled to be run once: VDWMESH_QUICK_BUILD in place of the build type's optimisation, and
+# sources joined.
 #
 #   vdwmesh_build_quickly(<target> [<sources apart>])
 function(vdwmesh_build_quickly target)
   if(VDWMESH_QUICK_BUILD)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${VDWMESH_QUICK_BUILD}>)
+    vdwmesh_join_sources(${target} ${ARGN})
   endif()
-  vdwmesh_join_sources(${target} ${ARGN})
 endfunction()
 
-# With VDWMESH_QUICK_BUILD the target's sources are compiled together, because their headers take longer
-# than they do. Those with a name that another has in its anonymous namespace too are compiled apart.
-# Joined sources are named by their whole path, which is cut so that objects are the same in every clone.
+# Compiles the target's sources together, because their headers take longer than they do. Those with a
+# name that another has in its anonymous namespace too are compiled apart. Joined sources are named by
+# their whole path, which is cut so that objects are the same in every clone. Device code, which newer
+# versions of CMake would join as well, is compiled apart.
 function(vdwmesh_join_sources target)
-  if(VDWMESH_QUICK_BUILD)
-    target_compile_options(${target} PRIVATE
-      $<$<COMPILE_LANGUAGE:CXX>:-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=>)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
-    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  endif()
+  get_target_property(apart ${target} SOURCES)
+  list(FILTER apart INCLUDE REGEX "\\.cu$")
+  target_compile_options(${target} PRIVATE
+    $<$<COMPILE_LANGUAGE:CXX>:-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=>)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+  set_source_files_properties(${apart} ${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # Sets VDWMESH_WITH_CUDA: whether the CUDA room is built, or the stub in its place.
