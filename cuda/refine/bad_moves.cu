@@ -29,7 +29,8 @@ std::optional<CrossingFinder<Patches>> finder_for(const Patches& level, const Le
                                                   const Stream& stream) {
   if (passes.crossings == Crossings::allow) return std::nullopt;
   if (fetch(passes.stats, stream).iterations_max == 0) return std::nullopt;
-  return std::optional<CrossingFinder<Patches>>(std::in_place, level, passes.move_states, stream);
+  return std::optional<CrossingFinder<Patches>>(std::in_place, level, passes.move_states,
+                                                passes.pairs_at_once, stream);
 }
 
 void clear_marks(const MoveStatesView& move_states, const Stream& stream) {

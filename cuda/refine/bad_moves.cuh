@@ -11,9 +11,10 @@ namespace vdwmesh {
 struct LevelPasses {
   SurfaceView surface;
   MoveStatesView move_states;
-  DeviceStats* stats;   // in device memory
-  Crossings crossings;  // whether crossing triangles are left alone
-  Monitor* monitor;     // before each pass it is asked whether to stop; may be null
+  DeviceStats* stats;           // in device memory
+  Crossings crossings;          // whether crossing triangles are left alone
+  Monitor* monitor;             // before each pass it is asked whether to stop; may be null
+  std::uint64_t pairs_at_once;  // how many pairs the search for crossings lists at a time
 };
 
 // Takes back all bad moves of level 0 and returns their number.

@@ -22,9 +22,13 @@ namespace vdwmesh {
 namespace {
 
 constexpr unsigned kThreads = 256;
-// Entries whose pairs are listed at a time. The list begins with room for two pairs an entry, and
-// grows where there are more: on level 0, for example, no pair is left out for a star.
-constexpr std::uint64_t kEntriesAtOnce = std::uint64_t{1} << 24;
+// The pairs of patches that are expected for an entry: on level 0 no pair is left out for a star.
+constexpr std::uint64_t kPairsOfTriangle = 8, kPairsOfPatch = 2;
+// Pairs of quarters of two patches.
+constexpr std::uint64_t kQuarterPairs = 16;
+// Blocks of kernels that loop over lists whose length is known on the device alone: eight for each
+// of 132 multiprocessors.
+constexpr unsigned kListBlocks = 1056;
 // The width of a cell, in units of the mean of the longest sides of patches' boxes.
 constexpr double kCellWidth = 2;
 constexpr const char* kPurpose = "looking for crossing triangles";
@@ -138,7 +142,8 @@ __global__ void renew_wanted(GivenPatches level, MoveStatesView states, int pass
   const std::uint64_t t = thread_index();
   if (t >= level.patches()) return;
   for (int i = 0; i < 3; ++i) {
-    patches[t].wanted[i] = has_wanted_state(states, level.vertex(t, i), pass) ? 1 : 0;
+    const bool wanted = has_wanted_state(states, level.vertex(t, i), pass);
+    patches[t].marks[i] = wanted ? SurveyedPatch::kWanted : 0;
   }
 }
 
@@ -146,7 +151,9 @@ __global__ void renew_wanted(GivenPatches level, MoveStatesView states, int pass
 __global__ void want_none(SurveyedPatch* patches, std::uint64_t count) {
   const std::uint64_t t = thread_index();
   if (t >= count) return;
-  for (std::uint8_t& wanted : patches[t].wanted) wanted = 0;
+  for (std::uint8_t& marks : patches[t].marks) {
+    marks &= static_cast<std::uint8_t>(~SurveyedPatch::kWanted);
+  }
 }
 
 // The patch of the parent's half-edge that the thread handles in a launch of two threads per listed
@@ -157,21 +164,32 @@ __device__ std::uint64_t patch_at(const Patches& level, const EdgeList& list) {
   return level.patch_of(i % 2 == 0 ? h : level.parent.opposite[h]);
 }
 
-// Says that a pass must test the patches at listed edges, and makes their cells dirty. Two threads
-// per edge.
+// Says that a pass must test the patches at listed edges, makes their cells dirty, and lists each
+// of these patches once. Two threads per edge.
 template <class Patches>
 __global__ void want_listed(Patches level, CrossingGrid grid, EdgeList list, SurveyedPatch* patches,
-                            std::uint8_t* dirty) {
-  if (thread_index() >= 2 * list.count) return;
-  SurveyedPatch& patch = patches[patch_at(level, list)];
-  patch.wanted[0] = 1;
-  visit_cells(grid, patch.box, [&](std::uint64_t cell) { dirty[cell] = 1; });
+                            std::uint8_t* dirty, std::uint32_t* changed,
+                            unsigned long long* count) {
+  const bool has = thread_index() < 2 * list.count;
+  bool first = false;
+  std::uint64_t t = 0;
+  if (has) {
+    t = patch_at(level, list);
+    // The bytes of a patch's marks as a word: byte 0 has the lowest bits.
+    auto* const marks = reinterpret_cast<unsigned*>(patches[t].marks);
+    first = (atomicOr(marks, SurveyedPatch::kWanted) & SurveyedPatch::kWanted) == 0;
+    visit_cells(grid, patches[t].box, [&](std::uint64_t cell) { dirty[cell] = 1; });
+  }
+  const unsigned long long slot = reserve(count, first ? 1 : 0);
+  if (first) changed[slot] = static_cast<std::uint32_t>(t);
 }
 
 // Says that the next pass need not test the patches at listed edges. Two threads per edge.
 template <class Patches>
 __global__ void forget_listed(Patches level, EdgeList list, SurveyedPatch* patches) {
-  if (thread_index() < 2 * list.count) patches[patch_at(level, list)].wanted[0] = 0;
+  if (thread_index() >= 2 * list.count) return;
+  std::uint8_t& marks = patches[patch_at(level, list)].marks[0];
+  marks &= static_cast<std::uint8_t>(~SurveyedPatch::kWanted);
 }
 
 // ---- crossings ----
@@ -190,38 +208,26 @@ __device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, co
 }
 
 // Whether two patches have a corner with a star in common, so that none of their triangles cross.
-__device__ bool share_star(const SurveyedPatch& a, const SurveyedPatch& b) {
+// `fans` has the states of all fans; it is null if they are as they were in pass 0.
+__device__ bool share_star(const SurveyedPatch& a, const SurveyedPatch& b, const FanState* fans) {
   bool share = false;
   for (const std::uint32_t star : a.star) {
     const bool is_shared = star == b.star[0] || star == b.star[1] || star == b.star[2];
-    share |= is_shared && star != kNoStar;
+    if (!is_shared || star == kNoStar) continue;
+    share |= fans == nullptr || fans[star] == kStarFan;
   }
   return share;
-}
-
-// Reserves room in a list for the `mine` elements of each lane, and returns where those of the lane
-// begin. All lanes of a warp must call it together.
-__device__ unsigned long long reserve(unsigned long long* count, unsigned mine) {
-  const unsigned lane = threadIdx.x % kWarp;
-  unsigned through = mine;  // of all lanes up to this one
-  for (unsigned step = 1; step < kWarp; step *= 2) {
-    const unsigned before = __shfl_up_sync(kAllLanes, through, step);
-    if (lane >= step) through += before;
-  }
-  unsigned long long begin = 0;
-  if (lane == kWarp - 1 && through > 0) begin = atomicAdd(count, 1ull * through);
-  return __shfl_sync(kAllLanes, begin, kWarp - 1) + through - mine;
 }
 
 // Lists the pairs of patches that must be tested for crossing triangles, those of the entries from
 // `first` to `last`: one thread per entry compares its patch with those before it in the same cell,
 // and with itself if a patch has quarters. The lanes of a cell take them in the same order, so that
-// they mostly read the same patch. Counts all pairs and writes those that there is room for. Stars
-// count in pass 0 only: later one patch of each pair has changed, and the fans of its corners.
+// they mostly read the same patch. Counts all pairs and writes those that there is room for. `fans`
+// is as in share_star().
 __global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
                            const std::uint8_t* dirty, std::uint64_t first, std::uint64_t last,
-                           bool has_quarters, int pass, NumberPair* pairs, std::uint64_t room,
-                           unsigned long long* count) {
+                           bool has_quarters, const FanState* fans, NumberPair* pairs,
+                           std::uint64_t room, unsigned long long* count) {
   const std::uint64_t own = first + thread_index();
   CellEntry entry{0, 0};
   std::uint64_t next = 0, end = 0;
@@ -246,7 +252,7 @@ __global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
       const SurveyedPatch other = patches[grid.entries[next].patch];
       if (!overlap(mine.box, other.box)) continue;
       if (!mine_wanted && !is_wanted(other)) continue;
-      if (pass == 0 && share_star(mine, other)) continue;
+      if (share_star(mine, other, fans)) continue;
       if (!is_first_shared(grid, place, mine.box, other.box)) continue;
       found |= 1u << (next - base);
     }
@@ -262,35 +268,34 @@ __global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
 
 template <class Patches>
 CrossingFinder<Patches>::CrossingFinder(const Patches& level, const MoveStatesView& move_states,
-                                        const Stream& stream)
-    : level_(level), stream_(stream), found_(1, stream.get()) {
+                                        std::uint64_t pairs_at_once, const Stream& stream)
+    : level_(level), stream_(stream), found_(1, stream.get()), near_count_(1, stream.get()) {
   if (level.patches() == 0) return;
   if (level.mesh.triangles > std::numeric_limits<std::uint32_t>::max()) {
     throw LimitExceeded("crossings are looked for among at most 2^32 - 1 triangles");
   }
-  require_device_memory(crossing_search_bytes(level.patches(), Patches::kQuarters > 0), kPurpose);
+  require_device_memory(
+      crossing_search_bytes(level.patches(), Patches::kQuarters > 0, pairs_at_once), kPurpose);
   patches_ = DeviceArray<SurveyedPatch>(level.patches(), stream.get());
   quarters_ = DeviceArray<FloatBox>(Patches::kQuarters * level.patches(), stream.get());
   judge_fans(move_states);
   shape();
-  fill();
+  fill(pairs_at_once);
 }
 
 // Makes the boxes of the patches and finds their stars. Single triangles have none.
 template <class Patches>
 void CrossingFinder<Patches>::judge_fans(const MoveStatesView& move_states) {
   const std::uint64_t patches = level_.patches();
-  DeviceArray<std::uint32_t> fans;
-  DeviceArray<Vec3f> directions;
   if constexpr (Patches::kQuarters > 0) {
-    fans = zeros<std::uint32_t>(level_.corner_vertices(), stream_);
-    directions = zeros<Vec3f>(level_.corner_vertices(), stream_);
+    fans_ = zeros<FanState>(level_.corner_vertices(), stream_);
+    directions_ = zeros<Vec3f>(level_.corner_vertices(), stream_);
     launch("add_directions", add_directions<Patches>, over(patches, kThreads), stream_, level_,
-           directions.data());
+           directions_.data());
   }
   launch("survey_patches", survey_patches<Patches>, over(3 * patches, kTestThreads), stream_,
-         level_, move_states, patches_.data(), quarters_.data(), directions.data(), fans.data());
-  launch("note_stars", note_stars<Patches>, over(patches, kThreads), stream_, level_, fans.data(),
+         level_, move_states, patches_.data(), quarters_.data(), directions_.data(), fans_.data());
+  launch("note_stars", note_stars<Patches>, over(patches, kThreads), stream_, level_, fans_.data(),
          patches_.data());
 }
 
@@ -330,7 +335,7 @@ void CrossingFinder<Patches>::shape() {
 // `start` has one element per cell and one more, which stays 0 while counting and is the number of
 // all entries after the prefix sum.
 template <class Patches>
-void CrossingFinder<Patches>::fill() {
+void CrossingFinder<Patches>::fill(std::uint64_t pairs_at_once) {
   const std::uint64_t cells = std::uint64_t{grid_.cells[0]} * grid_.cells[1] * grid_.cells[2];
   require_device_memory((cells + 1) * sizeof(unsigned long long) + cells, kPurpose);
   start_ = zeros<unsigned long long>(cells + 1, stream_);
@@ -343,32 +348,81 @@ void CrossingFinder<Patches>::fill() {
                                          static_cast<std::int64_t>(cells + 1), stream_.get());
   });
   const std::uint64_t entries = fetch(start_.data() + cells, stream_);
-  const std::uint64_t room = 2 * std::min(entries, kEntriesAtOnce);
-  require_device_memory(entries * sizeof(CellEntry) + room * sizeof(NumberPair), kPurpose);
+  const std::uint64_t per_entry = Patches::kQuarters > 0 ? kPairsOfPatch : kPairsOfTriangle;
+  const std::uint64_t room = std::min(per_entry * entries, pairs_at_once);
+  const std::uint64_t near_room = Patches::kQuarters > 0 ? std::max(room, kQuarterPairs) : 0;
+  require_device_memory(entries * sizeof(CellEntry) + (room + near_room) * sizeof(NumberPair),
+                        kPurpose);
   entries_ = DeviceArray<CellEntry>(entries, stream_.get());
   pairs_ = DeviceArray<NumberPair>(room, stream_.get());
+  near_ = DeviceArray<NumberPair>(near_room, stream_.get());
+  at_once_ = std::max<std::uint64_t>(1, room / per_entry);
   grid_.entries = entries_.data();
   launch("fill_cells", fill_cells, shape, stream_, grid_, patches_.data(), patches_.size());
 }
 
-// Lists the pairs of the entries from `first` to `last` and returns their number. If they do not
-// fit into the list, a longer one is made for them.
+// Lists the pairs of the entries from `first` on, of as many entries as have room in the list, and
+// returns where the next ones begin. If there is no room for the pairs of as many entries as
+// before, half as many are taken from then on. A single entry has at most as many pairs as there
+// are patches; if these have no room, it is made.
 template <class Patches>
-std::uint64_t CrossingFinder<Patches>::find(std::uint64_t first, std::uint64_t last, int pass) {
+std::uint64_t CrossingFinder<Patches>::find(std::uint64_t first, const FanState* fans) {
   for (;;) {
+    const std::uint64_t last = std::min<std::uint64_t>(entries_.size(), first + at_once_);
     clear(found_, stream_.get());
     launch("find_pairs", find_pairs, over(last - first, kThreads), stream_, grid_, patches_.data(),
-           dirty_.data(), first, last, Patches::kQuarters > 0, pass, pairs_.data(), pairs_.size(),
+           dirty_.data(), first, last, Patches::kQuarters > 0, fans, pairs_.data(), pairs_.size(),
            found_.data());
-    const std::uint64_t found = fetch(found_.data(), stream_);
-    if (found <= pairs_.size()) return found;
+    listed_ = fetch(found_.data(), stream_);
+    if (listed_ <= pairs_.size()) return last;
+    if (at_once_ > 1) {
+      at_once_ /= 2;
+      continue;
+    }
     pairs_ = DeviceArray<NumberPair>();
-    require_device_memory(found * sizeof(NumberPair), kPurpose);
-    pairs_ = DeviceArray<NumberPair>(found, stream_.get());
+    require_device_memory(listed_ * sizeof(NumberPair), kPurpose);
+    pairs_ = DeviceArray<NumberPair>(listed_, stream_.get());
   }
 }
 
-// Notes which patches the pass must test, and makes the cells dirty in which these are.
+// Tests the listed pairs of patches, a part of them at a time, so that all pairs of their quarters
+// have room in a list.
+template <class Patches>
+void CrossingFinder<Patches>::test(const MoveStatesView& move_states) {
+  const auto blocks = [](std::uint64_t items) -> LaunchShape {
+    return {std::min(blocks_for(items, kTestThreads), kListBlocks), kTestThreads};
+  };
+  if constexpr (Patches::kQuarters == 0) {
+    launch("test_triangles", test_triangles, blocks(listed_), stream_, level_.mesh, move_states,
+           pairs_.data(), found_.data());
+  } else {
+    const std::uint64_t most = near_.size() / kQuarterPairs;
+    for (std::uint64_t first = 0; first < listed_; first += most) {
+      const std::uint64_t count = std::min(most, listed_ - first);
+      NumberPair* const pairs = pairs_.data() + first;
+      if constexpr (!Patches::kHasParts) {
+        launch("drop_kept_apart", drop_kept_apart_patches, over(count, kTestThreads), stream_,
+               level_, pairs, count);
+      }
+      clear(near_count_, stream_.get());
+      launch("list_quarters", list_quarters<Patches>, over(count, kTestThreads), stream_,
+             quarters_.data(), pairs, count, near_.data(), near_count_.data());
+      const LaunchShape lists = blocks(kQuarterPairs * count);
+      if constexpr (Patches::kHasParts) {
+        launch("drop_kept_apart", drop_kept_apart, lists, stream_, level_, near_.data(),
+               near_count_.data());
+        launch("test_parts", test_parts, lists, stream_, level_.mesh, move_states, near_.data(),
+               near_count_.data());
+      } else {
+        launch("test_triangles", test_triangles, lists, stream_, level_.mesh, move_states,
+               near_.data(), near_count_.data());
+      }
+    }
+  }
+}
+
+// Notes which patches the pass must test, and makes the cells dirty in which these are. The fans of
+// patches that have changed are judged anew.
 template <class Patches>
 void CrossingFinder<Patches>::want(const MoveStatesView& move_states, int pass,
                                    const EdgeList& changed) {
@@ -377,8 +431,12 @@ void CrossingFinder<Patches>::want(const MoveStatesView& move_states, int pass,
   if constexpr (Patches::kQuarters > 0) {
     if (pass == 1) launch("want_none", want_none, each, stream_, patches_.data(), patches_.size());
     if (pass > 0) {
+      const DeviceArray<std::uint32_t> listed(2 * changed.count, stream_.get());
+      const auto count = zeros<unsigned long long>(1, stream_);
       launch("want_listed", want_listed<Patches>, over(2 * changed.count, kThreads), stream_,
-             level_, grid_, changed, patches_.data(), dirty_.data());
+             level_, grid_, changed, patches_.data(), dirty_.data(), listed.data(), count.data());
+      launch("renew_fans", renew_fans<Patches>, over(6 * changed.count, kThreads), stream_, level_,
+             listed.data(), count.data(), patches_.data(), directions_.data(), fans_.data());
       return;
     }
   } else if (pass > 0) {
@@ -393,11 +451,10 @@ void CrossingFinder<Patches>::mark(const MoveStatesView& move_states, int pass,
                                    const EdgeList& changed) {
   if (patches_.size() == 0) return;
   want(move_states, pass, changed);
-  for (std::uint64_t first = 0; first < entries_.size(); first += kEntriesAtOnce) {
-    const std::uint64_t last = std::min<std::uint64_t>(entries_.size(), first + kEntriesAtOnce);
-    const std::uint64_t found = find(first, last, pass);
-    launch("test_pairs", test_pairs<Patches>, over(found, kTestThreads), stream_, level_,
-           quarters_.data(), move_states, pairs_.data(), found);
+  const FanState* const fans = pass > 0 ? fans_.data() : nullptr;
+  for (std::uint64_t first = 0; first < entries_.size();) {
+    first = find(first, fans);
+    test(move_states);
   }
   if constexpr (Patches::kQuarters > 0) {
     if (pass == 0) return;
@@ -407,13 +464,17 @@ void CrossingFinder<Patches>::mark(const MoveStatesView& move_states, int pass,
 }
 
 // Of each patch what the survey knows, the boxes of its quarters, the offset and the mark of at
-// most one cell, and about three entries; and the list of pairs. The fans take less than the
-// entries, and give their memory back before.
-std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_quarters) {
-  const std::uint64_t of_quarters = has_quarters ? 4 * sizeof(FloatBox) : 0;
+// most one cell, and about three entries. There is about one corner for two patches, each with
+// the state and the direction of its fan. Then the two lists of pairs.
+std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_quarters,
+                                    std::uint64_t pairs_at_once) {
+  const std::uint64_t of_quarters =
+      has_quarters ? 4 * sizeof(FloatBox) + (sizeof(FanState) + sizeof(Vec3f)) / 2 : 0;
   const std::uint64_t of_cells = 3 * sizeof(CellEntry) + sizeof(unsigned long long) + 1;
+  const std::uint64_t per_entry = has_quarters ? kPairsOfPatch : kPairsOfTriangle;
   return patches * (sizeof(SurveyedPatch) + of_quarters + of_cells) +
-         2 * std::min(3 * patches, kEntriesAtOnce) * sizeof(NumberPair);
+         (has_quarters ? 2 : 1) * std::min(3 * patches * per_entry, pairs_at_once) *
+             sizeof(NumberPair);
 }
 
 template class CrossingFinder<GivenPatches>;

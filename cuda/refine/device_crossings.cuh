@@ -36,10 +36,12 @@ struct EdgeList {
   std::uint64_t count = 0;
 };
 
-// Two patches or two triangles, by number.
+// Two patches, two parts or two triangles, by number.
 struct alignas(8) NumberPair {
   std::uint32_t a, b;
 };
+// This number is no patch, part or triangle.
+inline constexpr std::uint32_t kNoNumber = 0xffffffffu;
 
 // `Patches` is one of GivenPatches, MidpointPatches and DividedPatches.
 template <class Patches>
@@ -47,7 +49,8 @@ class CrossingFinder {
  public:
   // Surveys the patches where their vertices are now, before any move was taken back, and builds
   // the grid. Throws DeviceMemoryExceeded if it does not fit into device memory.
-  CrossingFinder(const Patches& level, const MoveStatesView& move_states, const Stream& stream);
+  CrossingFinder(const Patches& level, const MoveStatesView& move_states,
+                 std::uint64_t pairs_at_once, const Stream& stream);
 
   // Marks the moved vertices of all pairs of triangles that cross. `pass` counts from 0. Pairs
   // without a moved vertex are not tested: if they cross, they did so before the moves. After pass
@@ -58,19 +61,26 @@ class CrossingFinder {
  private:
   void judge_fans(const MoveStatesView& move_states);
   void shape();
-  void fill();
+  void fill(std::uint64_t pairs_at_once);
   void want(const MoveStatesView& move_states, int pass, const EdgeList& changed);
-  std::uint64_t find(std::uint64_t first, std::uint64_t last, int pass);
+  std::uint64_t find(std::uint64_t first, const FanState* fans);
+  void test(const MoveStatesView& move_states);
 
   Patches level_;
   const Stream& stream_;
   DeviceArray<SurveyedPatch> patches_;
   DeviceArray<FloatBox> quarters_;  // Patches::kQuarters for each patch
+  DeviceArray<FanState> fans_;      // by corner vertex, if patches have fans
+  DeviceArray<Vec3f> directions_;   // of these, the same in all passes
   DeviceArray<unsigned long long> start_;
   DeviceArray<CellEntry> entries_;
   DeviceArray<std::uint8_t> dirty_;        // by cell: 1 if a patch in it must be tested
   DeviceArray<NumberPair> pairs_;          // of patches, found by find()
-  DeviceArray<unsigned long long> found_;  // their number
+  DeviceArray<unsigned long long> found_;  // their number, also in listed_
+  std::uint64_t listed_ = 0;
+  DeviceArray<NumberPair> near_;                // of quarters whose boxes overlap
+  DeviceArray<unsigned long long> near_count_;  // their number
+  std::uint64_t at_once_ = 1;                   // entries whose pairs find() lists at a time
   CrossingGrid grid_{{0, 0, 0}, 1, {1, 1, 1}, nullptr, nullptr};
 };
 
@@ -79,6 +89,7 @@ extern template class CrossingFinder<MidpointPatches>;
 extern template class CrossingFinder<DividedPatches>;
 
 // An estimate of the bytes that a search takes.
-std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_quarters);
+std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_quarters,
+                                    std::uint64_t pairs_at_once);
 
 }  // namespace vdwmesh

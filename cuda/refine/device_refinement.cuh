@@ -18,6 +18,10 @@ struct RefineTimings {
   float moves = 0;      // search for crossings, taking bad moves back
 };
 
+// How many pairs of patches, and of their quarters, the search for crossings lists at a time: 256
+// MB of each. The results do not depend on it.
+inline constexpr std::uint64_t kPairsAtOnce = std::uint64_t{1} << 25;
+
 struct DeviceRefinement {
   DeviceMesh mesh;
   std::vector<ProjectionStats> levels;    // of level 0 and of each subdivision
@@ -28,14 +32,16 @@ struct DeviceRefinement {
 // An estimate of the bytes of device memory that a refinement takes, beside the given mesh of so
 // many vertices and triangles.
 std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangles,
-                                  const RefineOptions& options, TriangleLabels labels);
+                                  const RefineOptions& options, TriangleLabels labels,
+                                  std::uint64_t pairs_at_once = kPairsAtOnce);
 
 // Refines `mesh`, whose arrays it takes over. It takes the steps of the CPU refiner with the same
 // formulas in the same order, so the result has the same bits. Precondition: `mesh` has half-edges
 // if options.subdivisions > 0. Throws DeviceMemoryExceeded, before it takes memory if the estimate
 // of device_refine_bytes() is not available or allowed.
 DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
-                                  const RefineOptions& options, const Stream& stream);
+                                  const RefineOptions& options, const Stream& stream,
+                                  std::uint64_t pairs_at_once = kPairsAtOnce);
 
 // Owns the surface that kernels project to, in device memory: the spheres, and the cell list that
 // the projection searches. It must outlive the kernels that use its view.

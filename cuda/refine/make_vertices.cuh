@@ -11,8 +11,8 @@ namespace vdwmesh {
 // to `stats` and returns the number of moves taken back; `stats` still counts their vertices as
 // projected.
 std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
-                                      Crossings crossings, Monitor* monitor, DeviceStats* stats,
-                                      const Stream& stream);
+                                      const RefineOptions& options, std::uint64_t pairs_at_once,
+                                      DeviceStats* stats, const Stream& stream);
 
 // Level 0 of a mesh with labelled triangles: moves nothing, and counts which vertices lie on all
 // the spheres of their labels.

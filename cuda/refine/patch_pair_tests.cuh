@@ -1,7 +1,10 @@
-// Tests of pairs of patches on the device: quarters of patches by their boxes, then triangles.
+// Tests of pairs of patches on the device: quarters of patches by their boxes, parts by planes,
+// then triangles. On level 1, where quarters are triangles, planes come first, between patches.
 //
 // Each test drops most of what it sees, so lanes with something left would be few in a warp. The
-// warp therefore collects what is left in a queue in shared memory until it has work for all lanes.
+// first tests are kernels of their own, with a list between them: none holds the registers of
+// another. In the last one a warp collects what is left in a queue in shared memory until it has
+// work for all lanes.
 #pragma once
 
 #include "cuda/memory/warp.cuh"
@@ -11,6 +14,20 @@
 namespace vdwmesh {
 
 inline constexpr unsigned kTestThreads = 128;  // of a block
+
+// Reserves room in a list for the `mine` elements of each lane, and returns where those of the lane
+// begin. All lanes of a warp must call it together.
+__device__ inline unsigned long long reserve(unsigned long long* count, unsigned mine) {
+  const unsigned lane = threadIdx.x % kWarp;
+  unsigned through = mine;  // of all lanes up to this one
+  for (unsigned step = 1; step < kWarp; step *= 2) {
+    const unsigned before = __shfl_up_sync(kAllLanes, through, step);
+    if (lane >= step) through += before;
+  }
+  unsigned long long begin = 0;
+  if (lane == kWarp - 1 && through > 0) begin = atomicAdd(count, 1ull * through);
+  return __shfl_sync(kAllLanes, begin, kWarp - 1) + through - mine;
+}
 
 // The corners of a triangle.
 struct TriangleCorners {
@@ -192,73 +209,130 @@ __device__ inline bool kept_apart(const MidpointLevel& level, const NumberPair& 
   return keeps_out(a, b, reach) || keeps_out(b, a, reach);
 }
 
-// Tests the triangles of pairs of patches and marks the vertices of those that cross. A warp takes
-// 32 pairs; for level 0 a thread takes one. Pairs with numbers a > b of equal patches or parts are
-// the same as those with b > a.
+// ---- kernels, in the order in which pairs pass through them ----
+
+// Lists the pairs of quarters with overlapping boxes, of listed pairs of patches: number 4 a + i
+// for i < 4 with number 4 b + j. Of a patch with itself these are pairs of two quarters, and of
+// parts also each part with itself. Pairs of kNoNumber have none. One thread per pair; the list
+// must have room for 16 pairs of each.
 template <class Patches>
 __global__ void __launch_bounds__(kTestThreads)
-    test_pairs(Patches level, const FloatBox* quarters, MoveStatesView move_states,
-               const NumberPair* pairs, std::uint64_t count) {
-  const std::uint64_t first = thread_index() / kWarp * kWarp;
-  const unsigned lane = threadIdx.x % kWarp;
-  if (first >= count) return;  // a whole warp
-  const unsigned here = count - first < kWarp ? static_cast<unsigned>(count - first) : kWarp;
-  const NumberPair pair = lane < here ? pairs[first + lane] : NumberPair{0, 0};
-  if constexpr (Patches::kQuarters == 0) {
-    if (lane < here) mark_if_crossing(level.mesh, move_states, pair.a, pair.b);
-  } else {
-    constexpr bool has_parts = Patches::kTriangles > Patches::kQuarters;
-    __shared__ NumberPair triangle_room[kTestThreads / kWarp][PairQueue::kRoom];
-    PairQueue triangles(triangle_room[threadIdx.x / kWarp]);
-    const auto test = [&](unsigned least) {
-      while (triangles.size() >= least) {
-        NumberPair t{0, 0};
-        if (lane < triangles.pop(t)) mark_if_crossing(level.mesh, move_states, t.a, t.b);
-        __syncwarp();
+    list_quarters(const FloatBox* quarters, const NumberPair* pairs, std::uint64_t count,
+                  NumberPair* near, unsigned long long* found) {
+  constexpr unsigned kInOrder = Patches::kHasParts ? 0x8cefu : 0x08ceu;
+  const std::uint64_t i = thread_index();
+  NumberPair pair{kNoNumber, 0};
+  if (i < count) pair = pairs[i];
+  unsigned overlapping = 0;  // bit 4 i + j
+  if (pair.a != kNoNumber) {
+    FloatBox others[4];
+    for (int j = 0; j < 4; ++j) others[j] = quarters[4 * std::uint64_t{pair.b} + j];
+    for (int k = 0; k < 4; ++k) {
+      const FloatBox own = quarters[4 * std::uint64_t{pair.a} + k];
+      for (int j = 0; j < 4; ++j) {
+        overlapping |= overlap(own, others[j]) ? 1u << (4 * k + j) : 0;
       }
-    };
-    const auto near = [&](const NumberPair& p) { return overlap(quarters[p.a], quarters[p.b]); };
-    if constexpr (!has_parts) {
-      visit_quarters(pair, here, [&](bool has, const NumberPair& t) {
-        const bool in_order = t.a / 4 != t.b / 4 || t.a < t.b;
-        triangles.push(has && in_order && near(t), t);
-        test(kWarp);
-      });
-    } else {
-      __shared__ NumberPair near_room[kTestThreads / kWarp][PairQueue::kRoom];
-      __shared__ NumberPair close_room[kTestThreads / kWarp][PairQueue::kRoom];
-      // Pairs of parts: those whose boxes overlap, and those that no wall keeps apart.
-      PairQueue near_parts(near_room[threadIdx.x / kWarp]);
-      PairQueue close_parts(close_room[threadIdx.x / kWarp]);
-      const auto test_close = [&](unsigned least) {
-        while (close_parts.size() >= least) {
-          NumberPair part{0, 0};
-          const unsigned taken = close_parts.pop(part);
-          visit_quarters(part, taken, [&](bool has, const NumberPair& t) {
-            const bool in_order = t.a / 4 != t.b / 4 || t.a < t.b;
-            triangles.push(has && in_order && may_cross(level.mesh, move_states, t.a, t.b), t);
-            test(kWarp);
-          });
-        }
-      };
-      const auto test_near = [&](unsigned least) {
-        while (near_parts.size() >= least) {
-          NumberPair part{0, 0};
-          const bool has = lane < near_parts.pop(part);
-          close_parts.push(has && (part.a == part.b || !kept_apart(level, part)), part);
-          test_close(kWarp);
-        }
-      };
-      visit_quarters(pair, here, [&](bool has, const NumberPair& part) {
-        const bool in_order = part.a / 4 != part.b / 4 || part.a <= part.b;
-        near_parts.push(has && in_order && near(part), part);
-        test_near(kWarp);
-      });
-      test_near(1);
-      test_close(1);
     }
-    test(1);
+    if (pair.a == pair.b) overlapping &= kInOrder;
   }
+  unsigned long long slot = reserve(found, static_cast<unsigned>(__popc(overlapping)));
+  for (; overlapping != 0; overlapping &= overlapping - 1, ++slot) {
+    const unsigned k = static_cast<unsigned>(__ffs(static_cast<int>(overlapping))) - 1;
+    near[slot] = {4 * pair.a + k / 4, 4 * pair.b + k % 4};
+  }
+}
+
+// Makes pairs of parts that a wall keeps apart pairs of kNoNumber.
+__global__ void __launch_bounds__(kTestThreads)
+    drop_kept_apart(MidpointLevel level, NumberPair* pairs, const unsigned long long* count) {
+  const std::uint64_t end = *count, step = std::uint64_t{gridDim.x} * blockDim.x;
+  for (std::uint64_t i = thread_index(); i < end; i += step) {
+    const NumberPair pair = pairs[i];
+    if (pair.a != pair.b && kept_apart(level, pair)) pairs[i].a = kNoNumber;
+  }
+}
+__global__ void __launch_bounds__(kTestThreads)
+    drop_kept_apart_patches(MidpointLevel level, NumberPair* pairs, std::uint64_t count) {
+  const std::uint64_t i = thread_index();
+  if (i >= count) return;
+  const NumberPair pair = pairs[i];
+  if (pair.a != pair.b && kept_apart(level, pair)) pairs[i].a = kNoNumber;
+}
+
+// Calls visit(has, pair) for 32 listed pairs at a time, one for each lane, in all lanes of a warp
+// together; `has` is false in lanes without a pair.
+template <class Visit>
+__device__ void visit_listed(const NumberPair* pairs, const unsigned long long* count,
+                             const Visit& visit) {
+  const std::uint64_t end = *count, step = std::uint64_t{gridDim.x} * blockDim.x;
+  const unsigned lane = threadIdx.x % kWarp;
+  for (std::uint64_t first = thread_index() - lane; first < end; first += step) {
+    NumberPair pair{kNoNumber, 0};
+    if (first + lane < end) pair = pairs[first + lane];
+    visit(pair.a != kNoNumber, pair);
+  }
+}
+
+// The triangles of a warp that are to be tested by the formula, which begins when all lanes have a
+// pair.
+class TriangleQueue {
+ public:
+  __device__ TriangleQueue(const DeviceMeshView& mesh, const MoveStatesView& move_states,
+                           NumberPair* room)
+      : mesh_(mesh), move_states_(move_states), queue_(room) {}
+  __device__ void push(bool has, const NumberPair& pair) {
+    queue_.push(has && may_cross(mesh_, move_states_, pair.a, pair.b), pair);
+    test(kWarp);
+  }
+  __device__ void finish() { test(1); }
+
+ private:
+  __device__ void test(unsigned least) {
+    while (queue_.size() >= least) {
+      NumberPair t{0, 0};
+      if (threadIdx.x % kWarp < queue_.pop(t)) mark_if_crossing(mesh_, move_states_, t.a, t.b);
+      __syncwarp();
+    }
+  }
+  const DeviceMeshView& mesh_;
+  const MoveStatesView& move_states_;
+  PairQueue queue_;
+};
+
+// Tests listed pairs of triangles and marks the vertices of those that cross.
+__global__ void __launch_bounds__(kTestThreads)
+    test_triangles(DeviceMeshView mesh, MoveStatesView move_states, const NumberPair* pairs,
+                   const unsigned long long* count) {
+  __shared__ NumberPair room[kTestThreads / kWarp][PairQueue::kRoom];
+  TriangleQueue triangles(mesh, move_states, room[threadIdx.x / kWarp]);
+  visit_listed(pairs, count, [&](bool has, const NumberPair& pair) { triangles.push(has, pair); });
+  triangles.finish();
+}
+
+// The same for listed pairs of parts, each with four triangles.
+__global__ void __launch_bounds__(kTestThreads)
+    test_parts(DeviceMeshView mesh, MoveStatesView move_states, const NumberPair* pairs,
+               const unsigned long long* count) {
+  __shared__ NumberPair room[kTestThreads / kWarp][PairQueue::kRoom];
+  __shared__ NumberPair part_room[kTestThreads / kWarp][PairQueue::kRoom];
+  TriangleQueue triangles(mesh, move_states, room[threadIdx.x / kWarp]);
+  PairQueue parts(part_room[threadIdx.x / kWarp]);
+  const auto test = [&](unsigned least) {
+    while (parts.size() >= least) {
+      NumberPair part{0, 0};
+      const unsigned taken = parts.pop(part);
+      visit_quarters(part, taken, [&](bool has, const NumberPair& t) {
+        const bool in_order = t.a / 4 != t.b / 4 || t.a < t.b;
+        triangles.push(has && in_order, t);
+      });
+    }
+  };
+  visit_listed(pairs, count, [&](bool has, const NumberPair& pair) {
+    parts.push(has, pair);
+    test(kWarp);
+  });
+  test(1);
+  triangles.finish();
 }
 
 }  // namespace vdwmesh

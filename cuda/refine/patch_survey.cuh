@@ -22,6 +22,7 @@ struct GivenPatches : GivenLevel {
 
 struct MidpointPatches : MidpointLevel {
   static constexpr int kQuarters = 4, kQuarterVertices = 3, kBorder = 3;
+  static constexpr bool kHasParts = false;  // whether quarters have several triangles
   // The middle child begins where those of corners end; its corners are the midpoints.
   __device__ std::uint32_t vertex(std::uint64_t t, int i) const {
     return i < 3 ? parent.corners[3 * t + i] : mesh.corners[3 * (4 * t + 3) + i - 3];
@@ -43,6 +44,7 @@ struct MidpointPatches : MidpointLevel {
 struct DividedPatches : MidpointLevel {
   static constexpr int kVertices = 15, kTriangles = 16;
   static constexpr int kQuarters = 4, kQuarterVertices = 6, kBorder = 5;
+  static constexpr bool kHasParts = true;
   __host__ __device__ std::uint64_t patches() const { return parent.triangles / 4; }
   // Midpoint k of parent triangle 4 t + part.
   __device__ std::uint32_t midpoint_in(std::uint64_t t, int part, int k) const {
@@ -95,14 +97,17 @@ inline constexpr std::uint32_t kNoStar = 0xffffffffu;
 
 struct alignas(8) SurveyedPatch {
   FloatBox box;
-  std::uint32_t star[3];  // the corners around which all patches are a star, kNoStar for others
-  // The patch must be tested if one of the first three bytes is 1. On level 0 and in pass 0, byte c
-  // says whether a vertex of its kind at corner c has a wanted state; later byte 0 is of them all.
-  std::uint8_t wanted[4];
+  // The corners around which all patches were a star in pass 0, kNoStar for others.
+  std::uint32_t star[3];
+  // Byte c < 3 is of corner c, its bits are these constants. The patch must be tested if one of the
+  // three has kWanted. On level 0 and in pass 0 it says whether a vertex of its kind at corner c
+  // has a wanted state; later that of byte 0 is of them all.
+  std::uint8_t marks[4];
+  static constexpr unsigned kWanted = 1, kFails = 2, kCrosses = 4;
 };
 
 __device__ inline bool is_wanted(const SurveyedPatch& patch) {
-  return (patch.wanted[0] | patch.wanted[1] | patch.wanted[2]) != 0;
+  return ((patch.marks[0] | patch.marks[1] | patch.marks[2]) & SurveyedPatch::kWanted) != 0;
 }
 
 // A vertex of which a pass must test the patches: in pass 0 one that is away from where it started,
@@ -142,9 +147,16 @@ __global__ void add_directions(Patches level, Vec3f* directions) {
 
 // ---- stars ----
 
-// The state of a fan: how many of its patches cross the positive x axis with their border, and
-// whether nothing is known of it. It is a star if this is 1.
-inline constexpr std::uint32_t kUnknownFan = std::uint32_t{1} << 31, kStarFan = 1;
+// The state of a fan: how many of its patches cross the positive x axis with their border, plus
+// kFailure for each of them that proves nothing. The fan is a star if this is 1.
+using FanState = unsigned long long;
+inline constexpr FanState kFailure = FanState{1} << 32, kStarFan = 1;
+
+// What a patch adds to the state of the fan of a corner, as SurveyedPatch::marks has it.
+__device__ inline FanState fan_state_of(unsigned marks) {
+  return ((marks & SurveyedPatch::kFails) != 0 ? kFailure : 0) +
+         ((marks & SurveyedPatch::kCrosses) != 0 ? 1 : 0);
+}
 
 // A point of the plane onto which the patches around a vertex are projected.
 struct FanPoint {
@@ -185,10 +197,11 @@ class FanPlane {
   double most_ = 0;  // the largest difference of coordinates, Å
 };
 
-// Judges what a patch adds to the fan of its corner 0; `image` has the images of its vertices.
+// Judges a patch as a part of the fan of its corner 0, and returns the bits for its marks; `image`
+// has the images of its vertices.
 template <class Patches>
-__device__ void add_to_fan(const FanPlane& plane, const FanPoint (&image)[Patches::kVertices],
-                           std::uint32_t* fan) {
+__device__ unsigned judge_in_fan(const FanPlane& plane,
+                                 const FanPoint (&image)[Patches::kVertices]) {
   bool holds = true;
 #pragma unroll
   for (int triangle = 0; triangle < Patches::kTriangles; ++triangle) {
@@ -203,11 +216,8 @@ __device__ void add_to_fan(const FanPlane& plane, const FanPoint (&image)[Patche
     holds &= plane.is_positive(cross_of(a, b));
     crossings += a.y < 0 && b.y >= 0;
   }
-  if (!holds || crossings > 1) {
-    atomicOr(fan, kUnknownFan);
-  } else if (crossings == 1) {
-    atomicAdd(fan, 1u);
-  }
+  if (!holds || crossings > 1) return SurveyedPatch::kFails;
+  return crossings == 1 ? SurveyedPatch::kCrosses : 0;
 }
 
 // ---- the survey ----
@@ -223,13 +233,14 @@ __device__ inline void extend(float& lower, float& upper, double coordinate) {
 // move; only boxes of single triangles must hold the starts as well.
 template <class Patches>
 __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPatch* patches,
-                               FloatBox* quarters, const Vec3f* directions, std::uint32_t* fans) {
+                               FloatBox* quarters, const Vec3f* directions, FanState* fans) {
   const std::uint64_t t = thread_index() / 3;
   if (t >= level.patches()) return;
   const int c = static_cast<int>(thread_index() % 3);
   constexpr int kVertices = Patches::kVertices;
   const auto turned = [=](int i) { return i / 3 * 3 + (i % 3 + c) % 3; };
   float lower = INFINITY, upper = -INFINITY;
+  unsigned marks = 0;
   bool wanted = false;
   if constexpr (Patches::kQuarters == 0) {
     for (int i = 0; i < kVertices; ++i) {
@@ -268,7 +279,8 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
         }
       }
     }
-    add_to_fan<Patches>(plane, image, &fans[corner]);
+    marks = judge_in_fan<Patches>(plane, image);
+    if (marks != 0) atomicAdd(&fans[corner], fan_state_of(marks));
 #pragma unroll
     for (int quarter = 0; quarter < Patches::kQuarters; ++quarter) {
       lower = fminf(lower, low[quarter]);
@@ -280,19 +292,43 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
   }
   patches[t].box.lower[c] = lower;
   patches[t].box.upper[c] = upper;
-  patches[t].wanted[c] = wanted ? 1 : 0;
+  patches[t].marks[c] = static_cast<std::uint8_t>(marks | (wanted ? SurveyedPatch::kWanted : 0));
 }
 
 // Notes which corners of patches have stars, when all fans have been judged; `fans` is null if none
 // were. One thread per patch.
 template <class Patches>
-__global__ void note_stars(Patches level, const std::uint32_t* fans, SurveyedPatch* patches) {
+__global__ void note_stars(Patches level, const FanState* fans, SurveyedPatch* patches) {
   const std::uint64_t t = thread_index();
   if (t >= level.patches()) return;
   for (int k = 0; k < 3; ++k) {
     const std::uint32_t v = fans != nullptr ? level.vertex(t, k) : kNoStar;
     patches[t].star[k] = fans != nullptr && fans[v] == kStarFan ? v : kNoStar;
   }
+}
+
+// Judges listed patches anew after vertices of them were put back, and corrects the states of their
+// fans. Three threads per patch, one for each corner.
+template <class Patches>
+__global__ void renew_fans(Patches level, const std::uint32_t* listed,
+                           const unsigned long long* count, SurveyedPatch* patches,
+                           const Vec3f* directions, FanState* fans) {
+  const std::uint64_t i = thread_index() / 3;
+  if (i >= *count) return;
+  const std::uint64_t t = listed[i];
+  const int c = static_cast<int>(thread_index() % 3);
+  const std::uint32_t corner = level.vertex(t, c);
+  FanPlane plane(level.mesh.positions[corner], directions[corner]);
+  FanPoint image[Patches::kVertices];
+#pragma unroll
+  for (int k = 0; k < Patches::kVertices; ++k) {
+    image[k] = plane.image(level.mesh.positions[level.vertex(t, k / 3 * 3 + (k % 3 + c) % 3)]);
+  }
+  std::uint8_t& marks = patches[t].marks[c];
+  const unsigned before = marks, now = judge_in_fan<Patches>(plane, image);
+  const FanState change = fan_state_of(now) - fan_state_of(before);
+  if (change != 0) atomicAdd(&fans[corner], change);
+  marks = static_cast<std::uint8_t>((before & SurveyedPatch::kWanted) | now);
 }
 
 }  // namespace vdwmesh

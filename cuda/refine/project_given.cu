@@ -151,8 +151,8 @@ std::uint64_t mark_astray(const SurfaceView& surface, const DeviceMeshView& mesh
 }  // namespace
 
 std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
-                                      Crossings crossings, Monitor* monitor, DeviceStats* stats,
-                                      const Stream& stream) {
+                                      const RefineOptions& options, std::uint64_t pairs_at_once,
+                                      DeviceStats* stats, const Stream& stream) {
   if (mesh.vertices == 0) return 0;
   const DeviceArray<MoveState> move_states(move_state_bytes(mesh.vertices), stream.get());
   if (mark_astray(surface, mesh, move_states.data(), stats, stream) == 0) return 0;
@@ -176,7 +176,12 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   return take_back_bad_moves(
       // All vertices are handled (from 0 on), and no list of marked vertices is kept.
       GivenLevel{given, mesh},
-      {surface, {move_states.data(), 0, marked.data(), nullptr, 0}, stats, crossings, monitor},
+      {surface,
+       {move_states.data(), 0, marked.data(), nullptr, 0},
+       stats,
+       options.crossings,
+       options.monitor,
+       pairs_at_once},
       stream);
 }
 

@@ -109,7 +109,8 @@ bool is_freely_projected_union(const SurfaceView& surface, const DeviceMeshView&
 // Level 0: projects the vertices and counts the turned triangles. If a subdivision follows, it also
 // marks the safe triangles for it. Vertices of labelled triangles are not moved, only counted.
 ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
-                              const RefineOptions& options, const Stream& stream) {
+                              const RefineOptions& options, std::uint64_t pairs_at_once,
+                              const Stream& stream) {
   const auto stats = zeros<DeviceStats>(1, stream);
   const DeviceMeshView mesh = growing.view();
   std::uint64_t undone = 0;
@@ -117,8 +118,7 @@ ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
     if (mesh.triangle_spheres != nullptr) {
       count_constrained_on_device(surface, mesh, stats.data(), stream);
     } else {
-      undone = project_given_on_device(surface, mesh, options.crossings, options.monitor,
-                                       stats.data(), stream);
+      undone = project_given_on_device(surface, mesh, options, pairs_at_once, stats.data(), stream);
     }
   }
   if (is_freely_projected_union(surface, mesh) && options.subdivisions > 0) {
@@ -138,8 +138,8 @@ std::uint64_t room_for_marks(std::uint64_t midpoints) { return midpoints / 32 + 
 // says whether PatchMarks are kept, and marks_list and `marked` are the list of bad moves
 // (MoveStatesView).
 ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int level_number,
-                          const RefineOptions& options, RefineTimings& timings,
-                          const Stream& stream) {
+                          const RefineOptions& options, std::uint64_t pairs_at_once,
+                          RefineTimings& timings, const Stream& stream) {
   StageMarks marks(stream.get());
   const DeviceMeshView parent = growing.view();
   const MeshSize size = subdivided({parent.vertices, parent.triangles});
@@ -189,7 +189,8 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
                             marks_list.data(), room},
                            stats.data(),
                            options.crossings,
-                           options.monitor};
+                           options.monitor,
+                           pairs_at_once};
   make_children_on_device(level, passes, stream);
   marks.mark();
   const std::uint64_t undone = moves ? take_back_bad_moves(level, passes, stream) : 0;
@@ -217,7 +218,8 @@ void finish_normals(const SurfaceView& surface, DeviceMesh& mesh, const Stream& 
 }  // namespace
 
 std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangles,
-                                  const RefineOptions& options, TriangleLabels labels) {
+                                  const RefineOptions& options, TriangleLabels labels,
+                                  std::uint64_t pairs_at_once) {
   const MeshSize given{vertices, triangles};
   const MeshSize parent =
       options.subdivisions > 0 ? subdivided(given, options.subdivisions - 1) : MeshSize{};
@@ -244,15 +246,17 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
   // A patch of the search is a triangle of the level before the last, of two levels before from
   // level 2 on, and on level 0 a given triangle.
   const std::uint64_t patches = options.subdivisions < 2 ? given.triangles : parent.triangles / 4;
-  return mesh + move_states + crossing_search_bytes(patches, options.subdivisions > 0);
+  return mesh + move_states +
+         crossing_search_bytes(patches, options.subdivisions > 0, pairs_at_once);
 }
 
 DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
-                                  const RefineOptions& options, const Stream& stream) {
+                                  const RefineOptions& options, const Stream& stream,
+                                  std::uint64_t pairs_at_once) {
   const MeshSize given{mesh.vertex_count(), mesh.triangle_count()};
-  require_device_memory(
-      device_refine_bytes(given.vertices, given.triangles, options, mesh.triangle_labels()),
-      "refinement", options.device_memory);
+  require_device_memory(device_refine_bytes(given.vertices, given.triangles, options,
+                                            mesh.triangle_labels(), pairs_at_once),
+                        "refinement", options.device_memory);
   DeviceRefinement result;
   StageClock clock(stream.get());
   GrowingMesh growing = with_room(std::move(mesh), options.projection,
@@ -267,14 +271,14 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
   float ms = clock.lap();
   observe(0);
   clock.restart();
-  result.levels.push_back(project_given(surface, growing, options, stream));
+  result.levels.push_back(project_given(surface, growing, options, pairs_at_once, stream));
   result.level_milliseconds.push_back(ms + clock.lap());
   advance(options.monitor, 1);
   for (int l = 1; l <= options.subdivisions; ++l) {
     RefineTimings timings;
     ProjectionStats stats;
     if (growing.mesh.triangle_count() > 0) {
-      stats = subdivide(surface, growing, l, options, timings, stream);
+      stats = subdivide(surface, growing, l, options, pairs_at_once, timings, stream);
     }
     result.levels.push_back(stats);
     result.timings.push_back(timings);

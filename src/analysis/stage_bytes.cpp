@@ -79,7 +79,7 @@ std::uint64_t measures_of_soup_bytes(const MeshSize& m) {
 }
 
 // Of a divided mesh, the tree as it is kept (18 bytes per triangle), the fans of its vertices and
-// the corners of its patches (half a byte and three) take a little more than building the tree. The
+// the corners of its patches (one byte and three) take a little more than building the tree. The
 // edges of a grid (cell_pairs.hpp), 8 bytes per vertex, are less, and are freed before.
 std::uint64_t self_intersections_bytes(const MeshSize& m) {
   return FacetTree::bytes(m.triangles) + 2 * m.triangles;

@@ -21,7 +21,7 @@
 //    are tested at a time (refine/patch_lanes.hpp).
 // 6. The two triangles must cross (triangles_cross()).
 // Passes after the first check only the patches with a vertex that was just put back, and their
-// pairs with others (must_test()).
+// pairs with others (want_changed()).
 //
 // Threads mark vertices while other threads read states, yet the result is always the same. Marking
 // turns `moved` into `to_undo` and nothing else, and a pass asks two questions about a state: is it
@@ -54,114 +54,132 @@ bool is_just_undone(MoveState state) { return state == MoveState::just_undone; }
 // with this part reaches test 5 in a cell, and serves all later pairs of the cell.
 template <class Level>
 struct BadMoves<Level>::GatheredPart {
+  std::size_t part;  // of the level
   std::array<std::uint32_t, Part::kVertices> vertex;
   PatchLanes triangles;
   std::uint32_t moved;  // mask of the triangles with a moved vertex that has not been put back
 };
 
-// The boxes of the four parts of a patch, where their vertices are now, by axis and lane.
 template <class Level>
-struct BadMoves<Level>::PartBoxes {
-  alignas(32) double lower[3][kLanes], upper[3][kLanes];
-
-  // Bit k tells whether part `part` of the other patch and part k of this one have boxes with a
-  // point in common.
-  VDWMESH_INLINE std::uint32_t overlapping(const PartBoxes& other, std::size_t part) const {
-    LaneBits all = all_bits(-1);
-    for (int axis = 0; axis < 3; ++axis) {
-      all &= (lanes_at(lower[axis]) <= all_lanes(other.upper[axis][part])) &
-             (lanes_at(upper[axis]) >= all_lanes(other.lower[axis][part]));
-    }
-    return bits_of(all);
+const std::vector<std::size_t>& BadMoves<Level>::mark() {
+  if (pass_ > 0) {
+    want_changed();
+  } else if (grid_ && !tests_all_) {
+    want_those_with<is_away>();
   }
-};
-
-template <class Level>
-bool BadMoves<Level>::mark() {
-  // For the first pass the constructor has filled dirty_. If the options allow crossings, there is
-  // no grid, and dirty_ is empty.
-  if (pass_ > 0 && grid_) find_dirty_cells<is_just_undone>();
-  const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
-    const Vertices v = level_.vertices(patch);
-    if (pass_ == 0 || has_vertex<is_just_undone>(v)) bad += mark_turned(v);
-  };
-  const auto judge_cell = [&](std::size_t cell, std::uint64_t& bad) {
-    // No progress is reported: the call only throws Cancelled if the caller asked to stop.
-    if (cell % kBlock == 0) advance(monitor_, 0);
-    if (dirty_[cell]) bad += mark_crossed(cell);
-  };
-  const std::uint64_t bad =
-      sum_all(level_.patches(), judge_patch) + sum_all(dirty_.size(), judge_cell);
+  marked_.clear();
+  mark_all_turned();
+  if (grid_) mark_all_crossed();
   ++pass_;
-  return bad > 0;
+  return marked_.all();
 }
 
-// Makes exactly those cells dirty that hold a patch with a vertex of a wanted state. In the first
-// pass these are the vertices away from where they started, since only pairs with one of them are
-// tested. Later they are those just put back: only the triangles of their patches have changed
-// since the previous pass, so at least one triangle of each new crossing belongs to such a patch.
-// A patch is listed in all cells that it may touch, before and after moves: its box, bounds_of(),
-// contains the positions of its vertices both before and after the projection. So a crossing that
-// appears because a vertex went back lies in a dirty cell.
+// Makes those patches wanted that have a vertex of a wanted state. In the first pass these are the
+// vertices away from where they started, since only pairs with one of them are tested.
 template <class Level>
 template <bool (*is_wanted)(MoveState)>
-void BadMoves<Level>::find_dirty_cells() {
-  for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
+void BadMoves<Level>::want_those_with() {
   for_all(level_.patches(), [&](std::size_t patch) {
     const Vertices v = level_.vertices(patch);
-    if (!has_vertex<is_wanted>(v)) return;
-    // The patch has changed, and with it the fans of its corners.
-    if (!fans_.empty()) {
-      for (std::size_t k = 0; k < 3; ++k) fans_.forget(v[k]);
+    if (std::any_of(v.begin(), v.end(), [&](std::uint32_t i) {
+          return is_wanted(state_of(level_, move_states_, i));
+        })) {
+      wanted_.choose(patch);
     }
-    grid_->visit_cells(patch, [&](std::size_t cell) {
-      std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
-    });
   });
 }
 
-// Whether a vertex of the patch has a wanted state.
+// Makes those patches wanted of which a vertex was put back after the last pass. Only their
+// triangles have changed since, so at least one triangle of each new crossing belongs to such a
+// patch: if two others crossed then, one of them had a moved vertex, which was put back. The fans
+// of these patches have changed, too.
 template <class Level>
-template <bool (*is_wanted)(MoveState)>
-bool BadMoves<Level>::has_vertex(const Vertices& v) {
-  return std::any_of(v.begin(), v.end(),
-                     [&](std::uint32_t i) { return is_wanted(state_of(level_, move_states_, i)); });
+void BadMoves<Level>::want_changed() {
+  wanted_.clear();
+  if constexpr (Level::kKnowsPatches) {
+    const std::vector<std::size_t>& items = marked_.all();
+    for_all(items.size(), [&](std::size_t i) {
+      for (const std::size_t patch : level_.patches_at(items[i])) {
+        if (wanted_.choose(patch) && !fans_.empty()) fans_.renew(level_, patch);
+      }
+    });
+  } else {
+    want_those_with<is_just_undone>();
+  }
+}
+
+// A patch is listed in all cells that it may touch, before and after moves: its box contains the
+// positions of its vertices both before and after the projection. So a crossing that appears
+// because a vertex went back lies in a dirty cell, one that lists a wanted patch.
+template <class Level>
+void BadMoves<Level>::find_dirty_cells() {
+  dirty_->clear();
+  const std::vector<std::size_t>& patches = wanted_.list();
+  for_all(patches.size(), [&](std::size_t i) {
+    grid_->visit_cells(patches[i], [&](std::size_t cell) { dirty_->choose(cell); });
+  });
 }
 
 template <class Level>
-void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices) {
-  // vdwmesh::mark() marks one vertex; the member of this name makes a whole pass.
-  for (const std::uint32_t v : vertices) vdwmesh::mark(level_, move_states_, v);
+void BadMoves<Level>::mark_all_turned() {
+  if (pass_ == 0) {
+    for_all(level_.patches(), [&](std::size_t patch) { mark_turned(patch); });
+    return;
+  }
+  const std::vector<std::size_t>& patches = wanted_.list();
+  for_all(patches.size(), [&](std::size_t i) { mark_turned(patches[i]); });
 }
 
-// Looks in a patch for turned triangles (is_turned()) and marks their vertices. Returns whether
-// there is one. A triangle whose corners have different atoms cannot be turned and is skipped.
-// Where a triangle was before is looked up only if it now faces against its atom's normal, as
-// hardly any does.
 template <class Level>
-bool BadMoves<Level>::mark_turned(const Vertices& v) {
-  bool any = false;
+void BadMoves<Level>::mark_all_crossed() {
+  const auto judge = [&](std::size_t i, std::size_t cell) {
+    // No progress is reported: the call only throws Cancelled if the caller asked to stop.
+    if (i % kBlock == 0) advance(monitor_, 0);
+    mark_crossed(cell);
+  };
+  if (tests_all_pairs()) {
+    for_all(grid_->cell_count(), [&](std::size_t cell) { judge(cell, cell); });
+    return;
+  }
+  find_dirty_cells();
+  const std::vector<std::size_t>& cells = dirty_->list();
+  for_all(cells.size(), [&](std::size_t i) { judge(i, cells[i]); });
+}
+
+// Marks the vertices of a triangle of a patch of `view`, the level or that of its parts.
+template <class Level>
+template <class View>
+void BadMoves<Level>::mark_corners(const View& view, std::size_t patch, int triangle) {
+  const auto v = view.vertices(patch);
+  for (const int corner : View::triangle(triangle)) {
+    const auto i = static_cast<std::size_t>(corner);
+    if (vdwmesh::mark(level_, move_states_, v[i])) marked_.append(view.item_of(patch, i));
+  }
+}
+
+// Looks in a patch for turned triangles (is_turned()) and marks their vertices. A triangle whose
+// corners have different atoms cannot be turned and is skipped. Where a triangle was before is
+// looked up only if it now faces against its atom's normal, as hardly any does.
+template <class Level>
+void BadMoves<Level>::mark_turned(std::size_t patch) {
+  const Vertices v = level_.vertices(patch);
   const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
   for (int child = 0; child < Level::kTriangles; ++child) {
     const std::array<int, 3> corner = Level::triangle(child);
     std::array<Vec3d, 3> now, before;
     std::array<SphereId, 3> atom;
-    std::array<std::uint32_t, 3> vertex;
     for (std::size_t k = 0; k < 3; ++k) {
-      vertex[k] = v[static_cast<std::size_t>(corner[k])];
-      now[k] = level_.mesh.positions[vertex[k]];
-      atom[k] = atoms[vertex[k]];
+      const std::uint32_t vertex = v[static_cast<std::size_t>(corner[k])];
+      now[k] = level_.mesh.positions[vertex];
+      atom[k] = atoms[vertex];
     }
     if (atom[0] != atom[1] || atom[0] != atom[2]) continue;
     if (facing(spheres_, now.data(), atom.data()) != Facing::against_one_atom) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       before[k] = level_.before(v, static_cast<std::size_t>(corner[k]));
     }
-    if (!is_turned(spheres_, before, now, atom)) continue;
-    mark_vertices(vertex);
-    any = true;
+    if (is_turned(spheres_, before, now, atom)) mark_corners(level_, patch, child);
   }
-  return any;
 }
 
 // Fills `gathered` for part t of the level: its vertices, its triangles side by side for test 5,
@@ -170,6 +188,7 @@ template <class Level>
 void BadMoves<Level>::gather(std::size_t t, GatheredPart& gathered) {
   constexpr auto kTriangles = static_cast<std::size_t>(Part::kTriangles);
   static_assert(kTriangles <= kLanes);
+  gathered.part = t;
   gathered.vertex = parts().vertices(t);
   gathered.moved = 0;
   std::array<Vec3d, Part::kVertices> position;
@@ -206,10 +225,7 @@ struct BadMoves<Level>::CellPatches {
   // By block of BoxLanes::kLanes patches, a bit for each: whether this pass must test the patch.
   std::vector<std::uint32_t> must_test;
   SharedStars stars;
-  // Made when the first pair needs them, for nearly all pairs share a star.
-  std::vector<PartBoxes> part_boxes;
-  std::vector<std::uint8_t> has_part_boxes;
-  std::vector<PatchOutline> outlines;
+  std::vector<PatchOutline> outlines;  // made when the first pair needs them
   std::vector<std::uint8_t> has_outline;
   double reach;  // Å, see take_boxes()
   // The parts with a pair that reached test 5: the first `gathered_count` elements are of this
@@ -224,13 +240,11 @@ struct BadMoves<Level>::CellPatches {
     boxes.resize(count);
     stars.resize(count);
     must_test.assign(count / BoxLanes::kLanes + 1, 0);
-    has_part_boxes.assign(count, 0);
     has_outline.assign(kParts * count, 0);
     slot.assign(kParts * count, 0);
     gathered_count = 0;
     if (count <= begins.size()) return;
     begins.resize(count);
-    if (kParts > 1) part_boxes.resize(count);
     outlines.resize(kParts * count);
   }
   // The part of the level that has this number in the cell.
@@ -238,18 +252,6 @@ struct BadMoves<Level>::CellPatches {
     return kParts * listed[part / kParts] + part % kParts;
   }
 };
-
-// Whether this pass must test a patch, with itself and with all others near. A pair of patches is
-// left out if neither of the two must be tested. In the first pass these are all patches, or if few
-// vertices moved, those with a vertex away from where it started, since only pairs with one of them
-// are tested. Later they are those with a vertex that was just put back: other pairs are as they
-// were in the pass before. If two of their triangles crossed then, one of them had a moved vertex,
-// which was put back.
-template <class Level>
-bool BadMoves<Level>::must_test(const Vertices& v) {
-  if (pass_ > 0) return has_vertex<is_just_undone>(v);
-  return !fans_.empty() || has_vertex<is_away>(v);
-}
 
 // Takes the boxes of the patches of a cell, which of them must be tested, and which of their
 // corners have stars. Returns a length (Å) by which any two vertices of these patches differ at
@@ -265,7 +267,7 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) {
     const CellBox& box = grid_->box_of_patch(listed[j]);
     const PatchGrid::Place first = grid_->place_of(box.lower);
     here.boxes.set(j, box);
-    if (must_test(level_.vertices(listed[j]))) {
+    if (tests_all_pairs() || wanted_[listed[j]]) {
       here.must_test[j / BoxLanes::kLanes] |= 1u << j % BoxLanes::kLanes;
     }
     if constexpr (kHasFans) here.stars.set(j, fans_, level_.corners(listed[j]));
@@ -281,28 +283,9 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) {
   // its ends are infinite. Every comparison with a NaN fails: so no plane keeps patches apart then,
   // and all pairs are tested.
   double reach = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) reach += grid_->length_of(lower[axis], upper[axis]);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    reach += PatchGrid::length_of(lower[axis], upper[axis]);
   return reach;
-}
-
-// Returns the boxes of the parts of patch i of a cell.
-template <class Level>
-const typename BadMoves<Level>::PartBoxes& BadMoves<Level>::boxes_of_parts(
-    std::size_t i, CellPatches& here) const {
-  PartBoxes& boxes = here.part_boxes[i];
-  if (here.has_part_boxes[i] != 0) return boxes;
-  here.has_part_boxes[i] = 1;
-  for (std::size_t a = 0; a < kParts; ++a) {
-    Box box = empty_box();
-    for (const std::uint32_t v : parts().vertices(kParts * here.listed[i] + a)) {
-      include(box, level_.mesh.positions[v]);
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-      boxes.lower[axis][a] = box.lower[axis];
-      boxes.upper[axis][a] = box.upper[axis];
-    }
-  }
-  return boxes;
 }
 
 // Returns the outline of a part in a cell, relative to a vertex of the first patch, so that no
@@ -350,56 +333,53 @@ bool BadMoves<Level>::may_cross_itself(std::size_t part, CellPatches& here) cons
 // Tests all pairs of triangles of patch i of a cell. If a corner of the patch has a star around it,
 // none of them cross.
 template <class Level>
-bool BadMoves<Level>::mark_within(std::size_t i, CellPatches& here) {
-  if (here.stars.has_star(i)) return false;
-  bool any = false;
+void BadMoves<Level>::mark_within(std::size_t i, CellPatches& here) {
+  if (here.stars.has_star(i)) return;
   for (std::size_t a = kParts * i; a < kParts * (i + 1); ++a) {
-    if (may_cross_itself(a, here)) any |= mark_pair(gathered(a, here), gathered(a, here));
-    for (std::size_t b = kParts * i; b < a; ++b) any |= mark_parts(a, b, here);
+    if (may_cross_itself(a, here)) mark_pair(gathered(a, here), gathered(a, here));
+    for (std::size_t b = kParts * i; b < a; ++b) mark_parts(a, b, here);
   }
-  return any;
 }
 
 // Tests all triangles of patch i of a cell with all those of patch j.
 template <class Level>
-bool BadMoves<Level>::mark_between(std::size_t i, std::size_t j, CellPatches& here) {
-  if constexpr (kParts == 1) return mark_parts(i, j, here);
-  bool any = false;
-  const PartBoxes &one = boxes_of_parts(i, here), &other = boxes_of_parts(j, here);
-  for (std::size_t a = 0; a < kParts; ++a) {
-    for (std::uint32_t near = other.overlapping(one, a); near != 0; near &= near - 1) {
-      const auto b = static_cast<std::size_t>(std::countr_zero(near));
-      any |= mark_parts(kParts * i + a, kParts * j + b, here);
+void BadMoves<Level>::mark_between(std::size_t i, std::size_t j, CellPatches& here) {
+  if constexpr (kParts == 1) {
+    mark_parts(i, j, here);
+  } else {
+    const PartBoxes &one = grid_->boxes_of_parts(here.listed[i]),
+                    &other = grid_->boxes_of_parts(here.listed[j]);
+    for (std::uint32_t near = one.overlapping(other); near != 0; near &= near - 1) {
+      const auto pair = static_cast<std::size_t>(std::countr_zero(near));
+      mark_parts(kParts * i + pair / kParts, kParts * j + pair % kParts, here);
     }
   }
-  return any;
 }
 
 // Tests the triangles of one part with those of another, unless a plane through an edge of either
 // part keeps the two apart.
 template <class Level>
-bool BadMoves<Level>::mark_parts(std::size_t a, std::size_t b, CellPatches& here) {
+void BadMoves<Level>::mark_parts(std::size_t a, std::size_t b, CellPatches& here) {
   constexpr auto kVertices = static_cast<std::size_t>(Part::kVertices);
   const PatchOutline &one = outline(a, here), &other = outline(b, here);
-  if (one.template keeps_out<kVertices>(other)) return false;
-  if (other.template keeps_out<kVertices>(one)) return false;
-  return mark_pair(gathered(a, here), gathered(b, here));
+  if (one.template keeps_out<kVertices>(other)) return;
+  if (other.template keeps_out<kVertices>(one)) return;
+  mark_pair(gathered(a, here), gathered(b, here));
 }
 
 // Tests all pairs of patches that belong to a cell, and marks the vertices of triangles that cross.
-// Returns whether there are such triangles.
+// A pair of patches is left out if neither of the two is wanted.
 template <class Level>
-bool BadMoves<Level>::mark_crossed(std::size_t cell) {
+void BadMoves<Level>::mark_crossed(std::size_t cell) {
   constexpr int kAllAxes = 7;
   static thread_local CellPatches here;
   const std::size_t count = grid_->patches_in(cell).size();
-  if (count == 0) return false;
+  if (count == 0) return;
   here.reach = take_boxes(cell, here);
-  bool any = false;
   for (std::size_t i = 0; i < count; ++i) {
     const bool must_test = (here.must_test[i / BoxLanes::kLanes] >> i % BoxLanes::kLanes & 1) != 0;
     // A patch is tested with itself in its own first cell.
-    if (must_test && here.begins[i] == kAllAxes) any |= mark_within(i, here);
+    if (must_test && here.begins[i] == kAllAxes) mark_within(i, here);
     for (std::size_t first = 0; first < i; first += BoxLanes::kLanes) {
       std::uint32_t wanted = must_test ? 0xffu : here.must_test[first / BoxLanes::kLanes];
       if (first + BoxLanes::kLanes > i) wanted &= (1u << (i - first)) - 1;
@@ -410,38 +390,33 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
         const std::size_t j = first + static_cast<std::size_t>(std::countr_zero(near));
         // The pair is tested in the first cell that both patches touch, and in no other. That is
         // the cell which, along each axis, is the first one of at least one of the two patches.
-        if ((here.begins[i] | here.begins[j]) != kAllAxes) continue;
-        any |= mark_between(i, j, here);
+        if ((here.begins[i] | here.begins[j]) == kAllAxes) mark_between(i, j, here);
       }
     }
   }
-  return any;
 }
 
 // Tests each triangle of part a with each of part b; if that is the same part, each pair once. A
 // pair without a moved vertex is not tested: if its triangles cross, they did so before the moves,
 // and there is nothing to take back.
 template <class Level>
-bool BadMoves<Level>::mark_pair(const GatheredPart& a, const GatheredPart& b) {
-  bool any = false;
+void BadMoves<Level>::mark_pair(const GatheredPart& a, const GatheredPart& b) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(Part::kTriangles); ++i) {
     std::uint32_t near = b.triangles.overlapping(a.triangles, i);
     if ((a.moved >> i & 1) == 0) near &= b.moved;
     if (&a == &b) near &= ~std::uint32_t{0} << (i + 1);
     if (near != 0) near &= b.triangles.may_cross(a.triangles, i);
     for (; near != 0; near &= near - 1) {
-      const auto j = static_cast<std::size_t>(std::countr_zero(near));
-      any |= mark_if_crossing(a, i, b, j);
+      mark_if_crossing(a, i, b, static_cast<std::size_t>(std::countr_zero(near)));
     }
   }
-  return any;
 }
 
 // Tests triangle i of part a with triangle j of part b and marks their vertices if they cross.
 // triangles_cross() asks for the atoms because it leaves triangles of one atom around a common
 // vertex to mark_turned().
 template <class Level>
-bool BadMoves<Level>::mark_if_crossing(const GatheredPart& a, std::size_t i, const GatheredPart& b,
+void BadMoves<Level>::mark_if_crossing(const GatheredPart& a, std::size_t i, const GatheredPart& b,
                                        std::size_t j) {
   struct Corners {
     std::array<std::uint32_t, 3> vertex;
@@ -461,11 +436,10 @@ bool BadMoves<Level>::mark_if_crossing(const GatheredPart& a, std::size_t i, con
   const Corners s = corners(a, i), t = corners(b, j);
   if (!triangles_cross(s.position.data(), s.vertex.data(), s.atom.data(), t.position.data(),
                        t.vertex.data(), t.atom.data())) {
-    return false;
+    return;
   }
-  mark_vertices(s.vertex);
-  mark_vertices(t.vertex);
-  return true;
+  mark_corners(parts(), a.part, static_cast<int>(i));
+  mark_corners(parts(), b.part, static_cast<int>(j));
 }
 
 template class BadMoves<Given>;

@@ -6,9 +6,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/blocks.hpp"
 #include "core/buffer.hpp"
+#include "refine/chosen_indices.hpp"
 #include "refine/level_view.hpp"
 #include "refine/patch_fans.hpp"
 #include "refine/patch_grid.hpp"
@@ -37,23 +39,24 @@ class BadMoves {
       : spheres_(spheres.spheres().data()),
         level_(level),
         move_states_(move_states),
-        monitor_(options.monitor) {
+        monitor_(options.monitor),
+        wanted_(level.patches()) {
     if (options.crossings == Crossings::allow) return;
     grid_.emplace(level);
-    dirty_.assign(grid_->cell_count(), 1);
+    dirty_.emplace(grid_->cell_count());
     // If few vertices have moved, few cells have a pair to test, and are worth being found.
-    if (moved < move_states.size() / 8) {
-      find_dirty_cells<is_away>();
-      return;
+    tests_all_ = moved >= move_states.size() / 8;
+    if constexpr (kHasFans) {
+      if (tests_all_) fans_ = PatchFans(level);
     }
-    if constexpr (kHasFans) fans_ = patch_fans(level);
   }
 
   // One pass: changes the state of every vertex with a bad move from MoveState::moved to
-  // MoveState::to_undo, and returns whether there is such a vertex. The first call checks all
-  // triangles. A later call checks only the triangles with a vertex in MoveState::just_undone, and
-  // those that share a cell with them, because all others are as the previous pass left them.
-  bool mark();
+  // MoveState::to_undo, and returns the items of these vertices in the level's loop over the
+  // handled ones. The first call checks all triangles. A later call checks only the triangles with
+  // a vertex that went back after the call before, whose item that call returned, and those that
+  // share a cell with them: all others are as that call left them.
+  const std::vector<std::size_t>& mark();
 
  private:
   using Part = typename Level::Part;
@@ -61,37 +64,41 @@ class BadMoves {
   static constexpr bool kHasFans = Level::kVertices > 3;         // a single triangle has none
   using Vertices = std::array<std::uint32_t, Level::kVertices>;  // the mesh vertices of a patch
   struct GatheredPart;
-  struct PartBoxes;
   struct CellPatches;
   template <bool (*is_wanted)(MoveState)>
+  void want_those_with();
+  void want_changed();
   void find_dirty_cells();
-  template <bool (*is_wanted)(MoveState)>
-  bool has_vertex(const Vertices& v);
-  bool mark_turned(const Vertices& v);
-  bool mark_crossed(std::size_t cell);
-  bool must_test(const Vertices& v);
+  void mark_all_turned();
+  void mark_all_crossed();
+  bool tests_all_pairs() const { return pass_ == 0 && tests_all_; }
+  void mark_turned(std::size_t patch);
+  void mark_crossed(std::size_t cell);
   double take_boxes(std::size_t cell, CellPatches& here);
   const Part& parts() const { return level_; }
-  const PartBoxes& boxes_of_parts(std::size_t i, CellPatches& here) const;
   const PatchOutline& outline(std::size_t part, CellPatches& here) const;
   const GatheredPart& gathered(std::size_t part, CellPatches& here);
   bool may_cross_itself(std::size_t part, CellPatches& here) const;
-  bool mark_within(std::size_t i, CellPatches& here);
-  bool mark_between(std::size_t i, std::size_t j, CellPatches& here);
-  bool mark_parts(std::size_t a, std::size_t b, CellPatches& here);
-  bool mark_pair(const GatheredPart& a, const GatheredPart& b);
-  bool mark_if_crossing(const GatheredPart& a, std::size_t i, const GatheredPart& b, std::size_t j);
+  void mark_within(std::size_t i, CellPatches& here);
+  void mark_between(std::size_t i, std::size_t j, CellPatches& here);
+  void mark_parts(std::size_t a, std::size_t b, CellPatches& here);
+  void mark_pair(const GatheredPart& a, const GatheredPart& b);
+  void mark_if_crossing(const GatheredPart& a, std::size_t i, const GatheredPart& b, std::size_t j);
   void gather(std::size_t part, GatheredPart& gathered);
-  void mark_vertices(const std::array<std::uint32_t, 3>& vertices);
+  template <class View>
+  void mark_corners(const View& view, std::size_t patch, int triangle);
 
   const Sphere* spheres_;
   const Level& level_;
   Buffer<MoveState>& move_states_;
   Monitor* monitor_;
-  std::optional<PatchGrid> grid_;  // empty if crossings are allowed
-  Buffer<std::uint8_t> dirty_;     // by cell of grid_: 1 if this pass tests its pairs, else 0
-  StarFans fans_;                  // of the parent's vertices; empty if few vertices moved
-  int pass_ = 0;                   // passes done
+  std::optional<PatchGrid> grid_;       // empty if crossings are allowed
+  ChosenIndices wanted_;                // patches of which this pass tests all pairs
+  std::optional<ChosenIndices> dirty_;  // cells of grid_ with such a patch
+  bool tests_all_ = false;              // whether the first pass tests all pairs
+  PatchFans fans_;                      // empty if it does not
+  SharedList marked_;                   // items of vertices that the last pass has marked
+  int pass_ = 0;                        // passes done
 };
 
 extern template class BadMoves<Given>;
@@ -116,22 +123,23 @@ std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
   const std::uint64_t moved = sum_all(move_states.size(), count_moved);
   if (moved == 0) return 0;
   BadMoves<Level> bad(spheres, level, move_states, moved, options);
+  std::vector<std::size_t> before;
   std::uint64_t total = 0;
-  while (bad.mark()) {
-    const auto settle = [&](std::size_t item, std::uint64_t& count) {
-      const std::optional<std::size_t> i = level.handled_by_item(item);
-      if (!i) return;
-      // The vertex was put back before the pass that has just ended. That pass has checked the
-      // triangles around it, so nothing is left to check.
-      if (move_states[*i] == MoveState::just_undone) move_states[*i] = MoveState::stayed;
-      if (move_states[*i] != MoveState::to_undo) return;
-      move_states[*i] = MoveState::just_undone;
-      restore(item);
-      ++count;
-    };
-    total += sum_all(level.items(), settle);
+  for (;;) {
+    const std::vector<std::size_t>& marked = bad.mark();
+    if (marked.empty()) return total;
+    // The pass that has just ended has checked the triangles around the vertices that were put back
+    // before it, so nothing is left to check.
+    for_all(before.size(), [&](std::size_t i) {
+      move_states[*level.handled_by_item(before[i])] = MoveState::stayed;
+    });
+    for_all(marked.size(), [&](std::size_t i) {
+      move_states[*level.handled_by_item(marked[i])] = MoveState::just_undone;
+      restore(marked[i]);
+    });
+    total += marked.size();
+    before = marked;
   }
-  return total;
 }
 
 }  // namespace vdwmesh

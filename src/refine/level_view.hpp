@@ -29,8 +29,11 @@
 //   items()                length of a loop in which each handled vertex turns up once
 //   handled_by_item(item)  the vertex that turns up at index `item` of this loop, counted from
 //                          first_handled(); empty if none does
+//   item_of(t, i)          the item at which vertices(t)[i] turns up. Precondition: it is handled
+//   kKnowsPatches          whether there is patches_at(item): the two patches that have the vertex
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -65,6 +68,8 @@ struct Given {
   std::size_t first_handled() const { return 0; }
   std::size_t items() const { return mesh.vertex_count(); }
   std::optional<std::size_t> handled_by_item(std::size_t item) const { return item; }
+  std::size_t item_of(std::size_t t, std::size_t i) const { return mesh.triangles[t][i]; }
+  static constexpr bool kKnowsPatches = false;
 };
 
 struct Midpoints {
@@ -105,6 +110,12 @@ struct Midpoints {
     if (parent.opposite[h] < h) return std::nullopt;
     return edge[h];
   }
+  std::size_t lower_of(std::size_t h) const { return std::min<std::size_t>(h, parent.opposite[h]); }
+  std::size_t item_of(std::size_t t, std::size_t i) const { return lower_of(3 * t + i - 3); }
+  static constexpr bool kKnowsPatches = true;
+  std::array<std::size_t, 2> patches_at(std::size_t h) const {
+    return {h / 3, parent.opposite[h] / 3};
+  }
 
   // The vertices of the parent from which and to which half-edge h runs.
   std::uint32_t start_of(std::size_t h) const { return parent.triangles[h / 3][h % 3]; }
@@ -132,18 +143,23 @@ struct DividedMidpoints : Midpoints {
   static constexpr std::size_t kParts = 4;
 
   std::size_t patches() const { return parent.triangle_count() / kParts; }
+  // The vertices of a part, as indices into those of the patch.
+  static constexpr std::array<int, 6> part(int part) {
+    if (part == 3) return {3, 4, 5, 12, 13, 14};
+    const int before = (part + 2) % 3;
+    return {part, 3 + part, 3 + before, 6 + part, 12 + before, 9 + before};
+  }
   static constexpr std::array<int, 3> triangle(int child) {
-    const int part = child / 4, before = (part + 2) % 3;
-    const std::array<int, 6> of_corner{part,     3 + part,    3 + before,
-                                       6 + part, 12 + before, 9 + before};
-    const std::array<int, 6> of_middle{3, 4, 5, 12, 13, 14};
-    const std::array<int, 6>& vertex = part < 3 ? of_corner : of_middle;
+    const std::array<int, 6> vertex = part(child / 4);
     std::array<int, 3> corner{};
     for (std::size_t k = 0; k < 3; ++k) {
       corner[k] = vertex[static_cast<std::size_t>(child_corner(child % 4, static_cast<int>(k)))];
     }
     return corner;
   }
+  // Corners are the first vertices of the parent. Its parent was closed, with three edges for two
+  // triangles, and got a midpoint on each.
+  std::size_t corner_vertices() const { return parent.vertex_count() - 3 * patches() / 2; }
   Triangle corners(std::size_t t) const {
     const Triangle* const child = &parent.triangles[4 * t];
     return {child[0][0], child[1][0], child[2][0]};
@@ -154,11 +170,18 @@ struct DividedMidpoints : Midpoints {
     for (std::size_t k = 0; k < 3; ++k) {
       v[k] = child[k][0];
       v[3 + k] = child[3][k];
-      v[6 + k] = midpoint_of(12 * t + 3 * k);
-      v[9 + k] = midpoint_of(12 * t + 3 * ((k + 1) % 3) + 2);
-      v[12 + k] = midpoint_of(12 * t + 9 + k);
+      for (const std::size_t i : {6 + k, 9 + k, 12 + k}) v[i] = midpoint_of(half_edge(t, i));
     }
     return v;
+  }
+  // The half-edge of the parent that vertex i >= 6 of patch t halves.
+  static constexpr std::size_t half_edge(std::size_t t, std::size_t i) {
+    const std::size_t k = i % 3;
+    return 12 * t + (i < 9 ? 3 * k : i < 12 ? 3 * ((k + 1) % 3) + 2 : 9 + k);
+  }
+  std::size_t item_of(std::size_t t, std::size_t i) const { return lower_of(half_edge(t, i)); }
+  std::array<std::size_t, 2> patches_at(std::size_t h) const {
+    return {h / 12, parent.opposite[h] / 12};
   }
   Vec3d before(const std::array<std::uint32_t, 15>& v, std::size_t i) const {
     if (i < 6) return parent.positions[v[i]];
@@ -176,13 +199,13 @@ MoveState state_of(const Level& level, Buffer<MoveState>& move_states, std::uint
   return std::atomic_ref(move_states[v - level.first_handled()]).load(std::memory_order_relaxed);
 }
 
-// Marks the move of mesh vertex v as bad. Does nothing if v has not moved, or is marked already.
-// Threads may mark one vertex at the same time: they all store the same value.
+// Marks the move of mesh vertex v as bad, and returns whether that is new: whether v has moved, and
+// no call has marked it before. Of threads that mark one vertex at the same time, one is told so.
 template <class Level>
-void mark(const Level& level, Buffer<MoveState>& move_states, std::uint32_t v) {
-  if (state_of(level, move_states, v) != MoveState::moved) return;
-  std::atomic_ref(move_states[v - level.first_handled()])
-      .store(MoveState::to_undo, std::memory_order_relaxed);
+bool mark(const Level& level, Buffer<MoveState>& move_states, std::uint32_t v) {
+  if (state_of(level, move_states, v) != MoveState::moved) return false;
+  return std::atomic_ref(move_states[v - level.first_handled()])
+             .exchange(MoveState::to_undo, std::memory_order_relaxed) == MoveState::moved;
 }
 
 // Whether a vertex in this state is away from where it started. The answer is the same before and

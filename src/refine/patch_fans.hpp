@@ -2,12 +2,37 @@
 // triangles of these patches cross.
 #pragma once
 
+#include <cstdint>
+
+#include "core/buffer.hpp"
+#include "core/vec3.hpp"
 #include "refine/level_view.hpp"
 #include "surface/star_fans.hpp"
 
 namespace vdwmesh {
 
-StarFans patch_fans(const Midpoints& level);
-StarFans patch_fans(const DividedMidpoints& level);
+// Of a level with midpoints. Each patch is judged as a piece of the fans of its corners.
+class PatchFans {
+ public:
+  PatchFans() = default;  // nothing is known
+  explicit PatchFans(const Midpoints& level);
+  explicit PatchFans(const DividedMidpoints& level);
+
+  bool empty() const { return pieces_.empty(); }
+  bool is_star(std::uint32_t vertex) const { return fans_.is_star(vertex); }
+
+  // Judges a patch anew after vertices of it were put back. Several threads may renew different
+  // patches. Until all that have changed are renewed, is_star() may be wrong.
+  void renew(const Midpoints& level, std::size_t patch);
+  void renew(const DividedMidpoints& level, std::size_t patch);
+
+ private:
+  template <class Level>
+  void judge_all(const Level& level);
+
+  StarFans fans_;
+  Buffer<Vec3f> direction_;         // by vertex, the same in every pass
+  Buffer<StarFans::Piece> pieces_;  // by patch
+};
 
 }  // namespace vdwmesh

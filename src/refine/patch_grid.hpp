@@ -5,40 +5,29 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
 
 #include "refine/level_view.hpp"
-#include "surface/box.hpp"
+#include "refine/part_boxes.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 
-// The bounding box of the patch with vertices v. It holds the triangles of the patch with any
-// choice of their vertices before and after their moves: the box has all these positions, and a
-// triangle lies in the hull of its corners. So the box is right whichever moves are taken back.
-template <class Level>
-Box bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v) {
-  Box box = empty_box();
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    if constexpr (!Level::kStartsBetweenCorners) include(box, level.before(v, i));
-    include(box, level.mesh.positions[v[i]]);
-  }
-  return box;
-}
-
-// A box in single precision, in units of the width of a cell from the lower corner of the grid. All
-// coordinates are rounded alike, which keeps their order: boxes of which these have no point in
-// common have none either.
+// A box in single precision, Å, relative to the origin of the grid. All coordinates are rounded
+// alike, which keeps their order: boxes of which these have no point in common have none either.
 struct CellBox {
   std::array<float, 3> lower, upper;
 };
 
 // A uniform grid with at most two cells per patch, or 64 cells if that is more. Each patch is
-// listed in every cell that its box (bounds_of()) touches. The boxes of two patches with triangles
-// that cross overlap, whichever moves are taken back, and both patches are listed in the cell of
-// any common point of the boxes. The order of the patches within a cell depends on the threads.
+// listed in every cell that its box touches. The box holds the triangles of the patch with any
+// choice of their vertices before and after their moves: it has all these positions, and a triangle
+// lies in the hull of its corners. So the boxes of two patches with triangles that cross overlap,
+// whichever moves are taken back, and both patches are listed in the cell of any common point of
+// the boxes. The order of the patches within a cell depends on the threads.
 class PatchGrid {
  public:
   // An entry is one patch in the list of one cell. Offsets of entries have 32 bits.
@@ -54,13 +43,15 @@ class PatchGrid {
   std::span<const std::uint32_t> patches_in(std::size_t cell) const {
     return {patches_.data() + start_[cell], patches_.data() + start_[cell + 1]};
   }
-  // The box of a patch, bounds_of(), in units of the width that the cells had at first.
   const CellBox& box_of_patch(std::size_t patch) const { return boxes_[patch]; }
+  // The boxes of the parts of a patch. Precondition: it has several. A midpoint starts between
+  // corners of its part, which never move, so the box of the part has it before and after its move.
+  const PartBoxes& boxes_of_parts(std::size_t patch) const { return part_boxes_[patch]; }
   // At least the distance (Å) of two coordinates of which these are the ones of boxes.
-  double length_of(float lower, float upper) const {
+  static double length_of(float lower, float upper) {
     constexpr double kRounding = 0x1p-22;
     const double from = static_cast<double>(lower), to = static_cast<double>(upper);
-    return cell_ * (to - from + kRounding * (from + to));
+    return to - from + kRounding * (std::abs(from) + std::abs(to));
   }
   // The numbers of a cell along x, y, z.
   using Place = std::array<std::uint32_t, 3>;
@@ -88,27 +79,33 @@ class PatchGrid {
   }
 
  private:
+  struct Extent;
+
   // The index, along one axis, of the cell that holds the coordinate. One between the ends of a box
-  // gets an index between those of the ends. The minima catch rounding at the end of the grid.
+  // gets an index between those of the ends. The minima catch rounding at the end of the grid, and
+  // the maximum what is no number.
   std::uint32_t cell_along(std::size_t axis, float coordinate) const {
-    const double place = std::min(static_cast<double>(coordinate) * scale_, kMostCells);
-    return std::min(static_cast<std::uint32_t>(place), cells_[axis] - 1);
+    const double place = (static_cast<double>(coordinate) - lower_[axis]) * per_cell_;
+    return std::min(static_cast<std::uint32_t>(std::min(std::max(0.0, place), kMostCells)),
+                    cells_[axis] - 1);
   }
   template <class Level>
-  Box choose_cells(const Level& level);
-  void set_cells(const Box& all);
-  template <class Level>
-  void find_boxes(const Level& level);
+  Extent find_boxes(const Level& level);
+  void choose_cells(const Extent& extent);
+  double cells_along(std::size_t axis, double width) const;
+  double cells_in(double width) const;
+  void set_cells(double width);
   template <class Visit>
   void visit_all(const Visit& visit) const;
   std::uint64_t count_entries();
 
   static constexpr double kMostCells = 4294967295.0;  // fits a number of 32 bits
-  Vec3d origin_{0, 0, 0};                             // lower corner of cell 0, Å
-  double cell_ = 1;                                   // width of a cell at first, Å
-  double scale_ = 1;                                  // that width in units of the width now
+  std::array<double, 3> lower_{0, 0, 0};              // lower corner of cell 0, Å, from the origin
+  std::array<double, 3> sides_{0, 0, 0};              // of the box around all boxes, Å
+  double cell_ = 1, per_cell_ = 1;                    // width of a cell, Å, and its inverse
   std::array<std::uint32_t, 3> cells_{1, 1, 1};       // number of cells along x, y, z
   Buffer<CellBox> boxes_;                             // by patch
+  Buffer<PartBoxes> part_boxes_;                      // by patch, if patches have several parts
   // Compressed sparse rows: cell c lists patches_[start_[c]] to patches_[start_[c + 1] - 1].
   Buffer<std::uint32_t> start_;
   Buffer<std::uint32_t> patches_;

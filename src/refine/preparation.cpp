@@ -173,13 +173,18 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
   // `marks`: one byte per vertex for its MoveState, and 8 per given vertex for its longest edge.
   // `grid`: the grid in which crossings are looked for, with a box of 24 bytes per patch, two cells
   // (4 bytes for the start of the list and 1 for the dirty flag) and about three entries of 4
-  // bytes. A patch is a triangle of the parent, or of the given mesh. `list`: the cell list. It has
-  // the sphere and four integers per sphere, among them rank and id, and the starts of its cells:
-  // each of its levels has at most 4096 cells, or 8 per sphere of the level if that is more.
+  // bytes, and whether the patch is wanted. A patch is a triangle of the given mesh, of the parent
+  // on level 1, and from level 2 on of the parent's parent; it then has boxes of its parts.
+  // `list`: the cell list. It has the sphere and four integers per sphere, among them rank and id,
+  // and the starts of its cells: each of its levels has at most 4096 cells, or 8 per sphere of the
+  // level if that is more.
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
-  // `fans`: the state of the fan of each vertex of the parent.
-  const std::uint64_t grid = std::max(parent.triangles, triangles) * (24 + 2 * (4 + 1) + 3 * 4);
-  const std::uint64_t fans = parent.vertices * sizeof(std::uint32_t);
+  const std::uint64_t patches = subdivisions < 2 ? triangles : parent.triangles / 4;
+  const std::uint64_t grid =
+      patches * (24 + 2 * (4 + 1) + 3 * 4 + 1 + (subdivisions < 2 ? 0 : sizeof(PartBoxes)));
+  // `fans`: state and direction of the fan of each corner of patches, and two bytes per patch.
+  const std::uint64_t corners = subdivisions < 2 ? vertices : parent.vertices / 4;
+  const std::uint64_t fans = corners * (sizeof(std::uint64_t) + sizeof(Vec3f)) + 2 * patches;
   const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
   return meshes + marks + grid + fans + list;

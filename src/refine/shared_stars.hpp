@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "refine/box_lanes.hpp"
-#include "surface/star_fans.hpp"
+#include "refine/patch_fans.hpp"
 
 namespace vdwmesh {
 
@@ -21,7 +21,7 @@ class SharedStars {
     for (auto& stars : star_) stars.assign(room, StarFans::kNone);
   }
 
-  void set(std::size_t i, const StarFans& fans, const Triangle& corner) {
+  void set(std::size_t i, const PatchFans& fans, const Triangle& corner) {
     for (std::size_t k = 0; k < 3; ++k) {
       star_[k][i] = !fans.empty() && fans.is_star(corner[k]) ? corner[k] : StarFans::kNone;
     }

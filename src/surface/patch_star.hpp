@@ -14,10 +14,14 @@
 
 namespace vdwmesh {
 
+VDWMESH_INLINE StarFans::Piece piece_of(std::uint32_t holds, const LaneBits& crosses) {
+  return {static_cast<std::uint8_t>(holds), static_cast<std::uint8_t>(bits_of(crosses))};
+}
+
 // Judges all three corners of a patch at once, one in each lane. `corner` and `middle` are the
 // positions of the corners and of the midpoints, `direction` the directions of the corners' fans.
-VDWMESH_INLINE void add_patch(StarFans& fans, const Triangle& vertex, const LanePoint& corner,
-                              const LanePoint& middle, const LanePoint& direction) {
+VDWMESH_INLINE StarFans::Piece judge_patch(const LanePoint& corner, const LanePoint& middle,
+                                           const LanePoint& direction) {
   FanLanes fan(corner, direction);
   const PlaneLanes next = fan.image(of_next(corner)), previous = fan.image(of_previous(corner)),
                    to_next = fan.image(middle), across = fan.image(of_next(middle)),
@@ -29,7 +33,7 @@ VDWMESH_INLINE void add_patch(StarFans& fans, const Triangle& vertex, const Lane
     least = other < least ? other : least;
   }
   const LaneBits crosses = FanLanes::crosses(next, across) | FanLanes::crosses(across, previous);
-  fans.add(vertex, fan.holds(least), bits_of(crosses));
+  return piece_of(fan.holds(least), crosses);
 }
 
 // The places of the vertices of a patch whose children are divided, by kind and corner: the corners
@@ -41,8 +45,8 @@ struct TwiceDivided {
 
 // The same for a patch whose children are divided. The quarters of an edge might cross the axis
 // twice; then it is not judged.
-VDWMESH_INLINE void add_twice_divided_patch(StarFans& fans, const Triangle& vertex,
-                                            const TwiceDivided& at, const LanePoint& direction) {
+VDWMESH_INLINE StarFans::Piece judge_twice_divided(const TwiceDivided& at,
+                                                   const LanePoint& direction) {
   FanLanes fan(at.corner, direction);
   const auto images = [&](const LanePoint& p, PlaneLanes(&image)[3]) {
     image[0] = fan.image(p);
@@ -74,7 +78,7 @@ VDWMESH_INLINE void add_twice_divided_patch(StarFans& fans, const Triangle& vert
     twice |= once & crosses;
     once |= crosses;
   }
-  fans.add(vertex, fan.holds(least) & ~bits_of(twice), bits_of(once));
+  return piece_of(fan.holds(least) & ~bits_of(twice), once);
 }
 
 }  // namespace vdwmesh

@@ -47,33 +47,44 @@ class StarFans {
   StarFans() = default;  // none
   explicit StarFans(std::size_t vertices) : state_(vertices, 0) {}
 
-  // Adds a piece for each of the three vertices. Bit k of `holds` says that at vertex k all areas
-  // and turns are positive, bit k of `crosses` that its border crosses the positive x axis.
-  void add(const Triangle& vertex, std::uint32_t holds, std::uint32_t crosses) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if ((holds >> k & 1) == 0) {
-        forget(vertex[k]);
-      } else if ((crosses >> k & 1) != 0) {
-        std::atomic_ref(state_[vertex[k]]).fetch_add(1, std::memory_order_relaxed);
-      }
-    }
+  // What is known of a piece at each of the three vertices that it belongs to. Bit k of `holds`
+  // says that at vertex k all areas and turns are positive, bit k of `crosses` that its border
+  // crosses the positive x axis.
+  struct Piece {
+    std::uint8_t holds, crosses;
+  };
+
+  void add(const Triangle& vertex, const Piece& piece) {
+    for (std::size_t k = 0; k < 3; ++k) change(vertex[k], state_of(piece, k));
   }
-  // Whatever was known of a vertex is not known any longer. There are fewer than 2^31 crossings at
-  // a vertex, of which each has at least three corners of triangles, so this bit stays.
-  void forget(std::uint32_t vertex) {
-    std::atomic_ref(state_[vertex]).fetch_or(kUnknown, std::memory_order_relaxed);
+  // Takes a piece that was added for another one from now on.
+  void replace(const Triangle& vertex, const Piece& before, const Piece& now) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      change(vertex[k], state_of(now, k) - state_of(before, k));
+    }
   }
 
   bool empty() const { return state_.empty(); }
   // Whether all pieces around the vertex are one fan, which is a star.
-  bool is_star(std::uint32_t vertex) const { return vertex < kNone && state_[vertex] == 1; }
+  bool is_star(std::uint32_t vertex) const {
+    return vertex < kNone && vertex < state_.size() && state_[vertex] == 1;
+  }
 
   // This number and the next one are no vertex of a star.
   static constexpr std::uint32_t kNone = 0xfffffffeu;
 
  private:
-  static constexpr std::uint32_t kUnknown = std::uint32_t{1} << 31;
-  Buffer<std::uint32_t> state_;  // by vertex: crossings, and kUnknown
+  // Of a vertex, the number of pieces that cross the axis, plus kFailure for each that proves
+  // nothing. There are fewer than 2^32 pieces.
+  using State = std::uint64_t;
+  static constexpr State kFailure = State{1} << 32;
+  static State state_of(const Piece& piece, std::size_t k) {
+    return (piece.holds >> k & 1) == 0 ? kFailure : State{piece.crosses} >> k & 1;
+  }
+  void change(std::uint32_t vertex, State by) {
+    if (by != 0) std::atomic_ref(state_[vertex]).fetch_add(by, std::memory_order_relaxed);
+  }
+  Buffer<State> state_;  // by vertex
 };
 
 // A direction (about of unit length) for each vertex, or any vector for one without triangles.

@@ -69,6 +69,13 @@ inline const char* name_of(FieldKind kind) {
   return names[static_cast<int>(kind)];
 }
 
+// The moves that a refinement took back, of all levels together.
+inline std::uint64_t taken_back(const std::vector<ProjectionStats>& levels) {
+  std::uint64_t total = 0;
+  for (const ProjectionStats& level : levels) total += level.undone;
+  return total;
+}
+
 inline SphereSet crowd(std::size_t count, double box, double r_min, double r_max, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-box, box), radius(r_min, r_max);

@@ -403,8 +403,9 @@ TEST_F(Parity, RefinedSetsUnlikeMolecules) {
   std::mt19937_64 random(17);
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Sphere> lattice, far, flat, large{{{0, 0, 0}, 3}};
-  for (int i = 0; i < 8; ++i)
-    lattice.push_back({{1.5 * (i & 1), 0.75 * (i & 2), 0.375 * (i & 4)}, 1});
+  for (int i = 0; i < 27; ++i) {
+    lattice.push_back({{1.5 * (i % 3), 1.5 * (i / 3 % 3), 1.5 * (i / 9)}, 1});
+  }
   for (int i = 0; i < 9; ++i) {
     far.push_back({{3e4 + 3 * unit(random), -2e4 + 3 * unit(random), 1e5 + 3 * unit(random)},
                    0.5 + unit(random)});
@@ -412,14 +413,23 @@ TEST_F(Parity, RefinedSetsUnlikeMolecules) {
     large.push_back({{3 * unit(random), 3 * unit(random), 3 * unit(random)}, 0.3});
   }
   const std::vector<std::tuple<std::string, SphereSet, double>> sets = {
-      {"lattice on the grid", SphereSet(lattice), 0.75},
-      {"far away", SphereSet(far), 0.9},
+      {"lattice", SphereSet(lattice), 0.6},
+      {"far away", SphereSet(far), 0.6},
       {"flat", SphereSet(flat), 0.5},
-      {"small in large", SphereSet(large), 1.3},
+      {"small in large", SphereSet(large), 0.5},
       {"crowd of all sizes", crowd(300, 12, 0.1, 2.0, 5), 1.1}};
   for (const auto& [name, spheres, spacing] : sets) {
+    const ExtractOptions extract = options_of(FieldKind::vdw, spacing);
     for (const int subdivisions : {0, 1, 3}) {
-      expect_pipeline_parity(spheres, options_of(FieldKind::vdw, spacing), subdivisions, name);
+      expect_pipeline_parity(spheres, extract, subdivisions, name);
+      // The given vertices lie on the spheres, so level 0 has nothing to take back.
+      if (subdivisions == 0) continue;
+      RefineOptions refine;
+      refine.subdivisions = subdivisions;
+      const auto run = [&] { return make_pipeline(Backend::cpu)->run(spheres, extract, refine); };
+      const std::uint64_t with_crossings = taken_back(run().levels);
+      refine.crossings = Crossings::allow;
+      EXPECT_GT(with_crossings, taken_back(run().levels)) << name << ": nothing crosses";
     }
   }
 }

@@ -18,6 +18,7 @@
 #include "refine/preparation.hpp"
 #include "refine/subdivision_formulas.hpp"
 #include "support/dice.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {

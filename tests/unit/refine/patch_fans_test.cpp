@@ -80,7 +80,7 @@ TEST(FansOfDividedPatches, HaveNoCrossingsIfTheyAreStars) {
   for (const double size : {0.0, 0.05, 0.1, 0.2, 0.3}) {
     const DividedTwice divided(size);
     const DividedMidpoints level = divided.level();
-    const StarFans fans = patch_fans(level);
+    const PatchFans fans(level);
     for (std::uint32_t v = 0; v < divided.parent.vertex_count(); ++v) {
       const std::vector<std::size_t> fan = triangles_of_fan(level, v);
       bool any = false;
@@ -137,7 +137,7 @@ bool is_star_of_stair(double turns) {
                            at_corners(row(3, 0), row(4, 0.75), row(1, 1)),
                            at_corners(row(3, 1.0 / 3), row(3, 2.0 / 3), row(2, 0.5))};
   StarFans fans(3);
-  add_twice_divided_patch(fans, {0, 1, 2}, patch, at_corners(up, up, up));
+  fans.add({0, 1, 2}, judge_twice_divided(patch, at_corners(up, up, up)));
   return fans.is_star(0);
 }
 
