@@ -140,7 +140,7 @@ SurfacePiece make_piece(const Ranks& ranks, const SharedStructure& shared, const
   return piece;
 }
 
-void measure_piece(const Ranks& ranks, const SurfacePiece& piece, const SphereSet& spheres,
+void measure_piece(const Ranks& ranks, SurfacePiece& piece, const SphereSet& spheres,
                    Session& session) {
   static_cast<MeshExamination&>(*session.report.mesh) = examine_together(ranks, piece);
   session.end_stage(&Timing::measure);
@@ -170,7 +170,7 @@ void run_ranks_mesh(const Ranks& ranks, const Options& options) {
   VerbSession session(machine_of_rank(ranks, options.machine));
   ranks.together([&] { require_format(options.mesh_path); });
   const SharedStructure shared = load_together(ranks, options.inputs.front(), session);
-  const SurfacePiece piece = make_piece(ranks, shared, options, session);
+  SurfacePiece piece = make_piece(ranks, shared, options, session);
   measure_piece(ranks, piece, shared.spheres, session);
   write_piece(ranks, piece, shared.molecule, options.mesh_path, session);
   ranks.together([&] {

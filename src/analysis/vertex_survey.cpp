@@ -9,7 +9,7 @@
 //     edges has two half-edges in opposite directions. Otherwise its edges are found by sorting and
 //     judged one by one.
 //
-// Every edge is counted at its smaller vertex, the one of lower index.
+// Every edge is counted at its smaller vertex (MeshPart::is_smaller()).
 #include "analysis/vertex_survey.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -111,9 +111,7 @@ class RangeSurveyor {
   void survey(std::size_t first, std::size_t end, std::span<const std::uint32_t> triangles) {
     group_corners(first, end, triangles);
     edges_.clear();
-    const std::size_t from = std::max(first, part_->first_vertex),
-                      to = std::min(end, part_->end_vertex);
-    for (std::size_t v = from; v < to; ++v) {
+    for (std::size_t v = first; v < std::min(end, part_->vertices); ++v) {
       const std::size_t begin = v == first ? 0 : end_of_[v - first - 1];
       survey_vertex(static_cast<std::uint32_t>(v),
                     std::span(corners_).subspan(begin, end_of_[v - first] - begin));
@@ -158,15 +156,15 @@ class RangeSurveyor {
       return;
     }
     for (const Corner& corner : corners)
-      if (corner.next > v) add_edge(v, corner.next);
+      if (part_->is_smaller(v, corner.next)) add_edge(v, corner.next);
   }
 
   void judge_edges(std::uint32_t v, std::span<const Corner> corners) {
     found_.manifold = false;
     ends_.clear();
     for (const auto& [previous, next] : corners) {
-      if (next > v) ends_.push_back({next, false});
-      if (previous > v) ends_.push_back({previous, true});
+      if (part_->is_smaller(v, next)) ends_.push_back({next, false});
+      if (part_->is_smaller(v, previous)) ends_.push_back({previous, true});
     }
     std::ranges::sort(ends_, {}, &EdgeEnd::other);
     for (auto first = ends_.begin(); first != ends_.end();) {

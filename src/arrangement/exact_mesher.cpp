@@ -232,7 +232,7 @@ class OneProcess final : public MeshTeam {
     taken_ = std::move(piece.mesh);
     if (joined_corners > 0) split_fans(joined_corners, taken_);
   }
-  SurfaceTopology topology() const override { return surface_topology(taken_); }
+  SurfaceTopology topology() override { return surface_topology(taken_); }
   void keep() override { kept_ = std::move(taken_); }
   std::uint64_t kept_bytes() const override { return indexed_mesh_bytes(kept_); }
 

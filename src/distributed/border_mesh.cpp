@@ -1,13 +1,12 @@
-// make_border_mesh(): a rank sends each of its triangles that has vertices of other ranks to the
-// owners of these vertices. With the triangles that arrive it knows all vertices of its part. It
-// names them to their owners (halo.hpp), which send their positions. The vertices of a part are
-// sorted by owner, then by number: so the own vertices are one run, and all ranks agree which of
-// two vertices comes first.
+// A rank sends each of its triangles that has vertices of other ranks to the owners of these
+// vertices. With the triangles that arrive it knows all vertices of its part. It names those of
+// other ranks to their owners (halo.hpp), which send their positions. Vertices are in the order of
+// their owners, and those of one owner in the order of their numbers: so all ranks agree which of
+// two vertices is the smaller one, whatever their indices in a part are.
 #include "distributed/border_mesh.hpp"
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -22,6 +21,22 @@ namespace {
 // The numbers of the corners in the whole mesh.
 using NumberedTriangle = std::array<std::uint64_t, 3>;
 
+// The elements of an array, with room for `count`.
+template <class T>
+Buffer<T> copied(const Buffer<T>& own, std::size_t count) {
+  Buffer<T> all;
+  resize_untouched(all, count);
+  for_each_index(own.size(), [&](std::size_t i) { all[i] = own[i]; });
+  return all;
+}
+template <class T>
+Buffer<T> taken(Buffer<T>& own, std::size_t count) {
+  Buffer<T> all = std::move(own);
+  all.reserve(count);  // if it has to be moved: to no more than that, where resize() takes twice
+  all.resize(count);
+  return all;
+}
+
 class Builder {
  public:
   Builder(const Ranks& ranks, const SurfacePiece& piece)
@@ -30,31 +45,56 @@ class Builder {
         self_(static_cast<std::size_t>(ranks.number())),
         own_(piece.numbers.own()) {}
 
-  BorderMesh run() {
+  // `with_room` makes an array of the part of one of the piece. Collective.
+  template <class WithRoom>
+  BorderMesh run(const WithRoom& with_room) {
     std::vector<std::vector<NumberedTriangle>> sent;
-    ranks_.together([&] { sent = triangles_for_owners(); });
-    const std::vector<std::vector<NumberedTriangle>> received = ranks_.exchange(sent);
-    sent.clear();
-    ranks_.together([&] { find_vertices_elsewhere(received); });
-    const std::vector<std::vector<std::uint64_t>> asked_for = ranks_.exchange(elsewhere_);
-    BorderMesh result;
-    ranks_.together([&] { build(received, asked_for, result); });
-    result.halo.refresh(ranks_, result.mesh.positions);
-    return result;
+    ranks_.together([&] {
+      find_border_triangles();
+      sent = triangles_for_owners();
+    });
+    received_ = ranks_.exchange(sent);
+    ranks_.together([&] { find_elsewhere(); });
+    const std::vector<std::vector<std::uint64_t>> asked_for = ranks_.exchange(named_);
+    ranks_.together([&] {
+      find_asked_for(asked_for);
+      with_room(part_.mesh, own_ + elsewhere_.size());
+      append_triangles();
+    });
+    part_.halo.refresh(ranks_, part_.mesh.positions);
+    return std::move(part_);
+  }
+
+  // How many triangles the part has.
+  std::size_t triangles() const {
+    std::size_t count = part_.triangles;
+    for (const auto& from : received_) count += from.size();
+    return count;
   }
 
  private:
   bool is_own(std::uint32_t corner) const { return corner < own_; }
 
+  void find_border_triangles() {
+    const Buffer<Triangle>& triangles = piece_.mesh.triangles;
+    part_.vertices = own_;
+    part_.triangles = triangles.size();
+    part_.border_triangles =
+        collect<std::size_t>(triangles.size(), [&](std::size_t t, std::vector<std::size_t>& found) {
+          const auto& [a, b, c] = triangles[t];
+          if (!(is_own(a) && is_own(b) && is_own(c))) found.push_back(t);
+        });
+  }
+
   // A triangle goes once to each other owner of one of its corners.
   std::vector<std::vector<NumberedTriangle>> triangles_for_owners() const {
     std::vector<std::vector<NumberedTriangle>> sent(static_cast<std::size_t>(ranks_.count()));
-    for (const Triangle& corners : piece_.mesh.triangles) {
-      const auto& [a, b, c] = corners;
-      if (is_own(a) && is_own(b) && is_own(c)) continue;
-      const NumberedTriangle numbers{piece_.number_of(a), piece_.number_of(b), piece_.number_of(c)};
+    for (const std::size_t t : part_.border_triangles) {
+      const Triangle& corners = piece_.mesh.triangles[t];
+      NumberedTriangle numbers;
       std::array<std::size_t, 3> owners;
       for (std::size_t k = 0; k < 3; ++k) {
+        numbers[k] = piece_.number_of(corners[k]);
         owners[k] = is_own(corners[k]) ? self_ : piece_.numbers.owner_of(numbers[k]);
       }
       std::ranges::sort(owners);
@@ -66,101 +106,96 @@ class Builder {
     return sent;
   }
 
-  void find_vertices_elsewhere(const std::vector<std::vector<NumberedTriangle>>& received) {
-    elsewhere_.resize(static_cast<std::size_t>(ranks_.count()));
-    const auto add = [&](std::uint64_t number) {
-      elsewhere_[piece_.numbers.owner_of(number)].push_back(number);
-    };
-    for (const std::uint64_t number : piece_.elsewhere) add(number);
-    for (const std::vector<NumberedTriangle>& from : received) {
+  // The vertices of other ranks: those that the piece names keep their places behind the own ones.
+  void find_elsewhere() {
+    std::vector<std::uint64_t> added;
+    for (const std::vector<NumberedTriangle>& from : received_) {
       for (const NumberedTriangle& corners : from) {
         for (const std::uint64_t number : corners) {
-          if (!piece_.numbers.own_vertex(number)) add(number);
+          if (!piece_.numbers.own_vertex(number) &&
+              !std::ranges::binary_search(piece_.elsewhere, number)) {
+            added.push_back(number);
+          }
         }
       }
     }
-    std::size_t all = 0;
-    for (std::size_t rank = 0; rank < elsewhere_.size(); ++rank) {
-      if (rank == self_) before_ = all;
-      sort_without_repeats(elsewhere_[rank]);
-      begins_.push_back(all);
-      all += elsewhere_[rank].size();
+    sort_without_repeats(added);
+    elsewhere_ = piece_.elsewhere;
+    elsewhere_.insert(elsewhere_.end(), added.begin(), added.end());
+    if (own_ + elsewhere_.size() > kMaxVertices) {
+      throw LimitExceeded(
+          "a rank has more than 2^32 vertices to measure or refine: more ranks would do");
     }
-    vertices_ = all + own_;
-    if (vertices_ <= kMaxVertices) return;
-    throw LimitExceeded(
-        "a rank has more than 2^32 vertices to measure or refine: more ranks would do");
+    named_.resize(static_cast<std::size_t>(ranks_.count()));
+    part_.halo.elsewhere.resize(named_.size());
+    for (std::size_t i = 0; i < elsewhere_.size(); ++i) {
+      const std::size_t owner = piece_.numbers.owner_of(elsewhere_[i]);
+      named_[owner].push_back(elsewhere_[i]);
+      part_.halo.elsewhere[owner].push_back(static_cast<std::uint32_t>(own_ + i));
+      part_.is_larger.push_back(owner > self_ ? 1 : 0);
+    }
+  }
+
+  void find_asked_for(const std::vector<std::vector<std::uint64_t>>& numbers) {
+    for (const std::vector<std::uint64_t>& from : numbers) {
+      std::vector<std::uint32_t>& local = part_.halo.asked_for.emplace_back();
+      for (const std::uint64_t number : from) local.push_back(local_of(number));
+    }
   }
 
   // The index of a vertex in the part.
   std::uint32_t local_of(std::uint64_t number) const {
-    if (const auto own = piece_.numbers.own_vertex(number)) return local_of_own(*own);
-    const std::size_t rank = piece_.numbers.owner_of(number);
-    const std::size_t place = begins_[rank] + place_in(elsewhere_[rank], number);
-    return static_cast<std::uint32_t>(rank < self_ ? place : place + own_);
-  }
-  std::uint32_t local_of_own(std::size_t own_vertex) const {
-    return static_cast<std::uint32_t>(before_ + own_vertex);
-  }
-
-  void build(const std::vector<std::vector<NumberedTriangle>>& received,
-             const std::vector<std::vector<std::uint64_t>>& asked_for, BorderMesh& result) const {
-    result.first_vertex = before_;
-    result.end_vertex = before_ + own_;
-    result.triangles = piece_.mesh.triangle_count();
-    result.halo = {all_local_of(elsewhere_), all_local_of(asked_for)};
-    resize_untouched(result.mesh.positions, vertices_);
-    for_each_index(own_, [&](std::size_t v) {
-      result.mesh.positions[before_ + v] = piece_.mesh.positions[v];
-    });
-    fill_triangles(received, result.mesh.triangles);
+    if (const auto own = piece_.numbers.own_vertex(number)) return static_cast<std::uint32_t>(*own);
+    const auto named = elsewhere_.begin() + static_cast<std::ptrdiff_t>(piece_.elsewhere.size());
+    auto place = std::lower_bound(elsewhere_.begin(), named, number);
+    if (place == named || *place != number)
+      place = std::lower_bound(named, elsewhere_.end(), number);
+    return static_cast<std::uint32_t>(own_) +
+           static_cast<std::uint32_t>(place - elsewhere_.begin());
   }
 
-  std::vector<std::vector<std::uint32_t>> all_local_of(
-      const std::vector<std::vector<std::uint64_t>>& numbers) const {
-    std::vector<std::vector<std::uint32_t>> local(numbers.size());
-    for (std::size_t rank = 0; rank < numbers.size(); ++rank) {
-      for (const std::uint64_t number : numbers[rank]) local[rank].push_back(local_of(number));
-    }
-    return local;
-  }
-
-  void fill_triangles(const std::vector<std::vector<NumberedTriangle>>& received,
-                      Buffer<Triangle>& triangles) const {
-    std::vector<std::uint32_t> local_of_elsewhere;
-    for (const std::uint64_t number : piece_.elsewhere) {
-      local_of_elsewhere.push_back(local_of(number));
-    }
-    const std::size_t own = piece_.mesh.triangle_count();
-    std::size_t count = own;
-    for (const auto& from : received) count += from.size();
-    resize_untouched(triangles, count);
-    for_each_index(own, [&](std::size_t t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t corner = piece_.mesh.triangles[t][k];
-        triangles[t][k] = is_own(corner) ? local_of_own(corner) : local_of_elsewhere[corner - own_];
+  void append_triangles() {
+    std::size_t next = part_.triangles;
+    for (const auto& from : received_) {
+      for (const auto& [a, b, c] : from) {
+        part_.mesh.triangles[next++] = {local_of(a), local_of(b), local_of(c)};
       }
-    });
-    std::size_t next = own;
-    for (const auto& from : received) {
-      for (const auto& [a, b, c] : from)
-        triangles[next++] = {local_of(a), local_of(b), local_of(c)};
     }
   }
 
   const Ranks& ranks_;
   const SurfacePiece& piece_;
-  const std::size_t self_, own_;                       // this rank, and how many vertices it owns
-  std::vector<std::vector<std::uint64_t>> elsewhere_;  // [owner]: numbers of vertices of the part
-  std::vector<std::size_t> begins_;  // [owner]: how many vertices the owners before it have there
-  std::size_t before_ = 0;           // vertices that come before the own ones
-  std::size_t vertices_ = 0;         // of the part
+  const std::size_t self_, own_;  // this rank, and how many vertices it owns
+  BorderMesh part_;
+  std::vector<std::vector<NumberedTriangle>> received_;  // [sender]
+  // The vertices of the part that other ranks own: those of the piece, then the others; ascending.
+  std::vector<std::uint64_t> elsewhere_;
+  std::vector<std::vector<std::uint64_t>> named_;  // the same by owner
 };
 
 }  // namespace
 
-BorderMesh make_border_mesh(const Ranks& ranks, const SurfacePiece& piece) {
-  return Builder(ranks, piece).run();
+BorderMesh copy_border_mesh(const Ranks& ranks, const SurfacePiece& piece) {
+  Builder builder(ranks, piece);
+  return builder.run([&](IndexedMesh& mesh, std::size_t vertices) {
+    mesh.positions = copied(piece.mesh.positions, vertices);
+    mesh.triangles = copied(piece.mesh.triangles, builder.triangles());
+  });
+}
+
+BorderMesh take_border_mesh(const Ranks& ranks, SurfacePiece& piece) {
+  Builder builder(ranks, piece);
+  return builder.run([&](IndexedMesh& mesh, std::size_t vertices) {
+    mesh.positions = taken(piece.mesh.positions, vertices);
+    mesh.triangles = taken(piece.mesh.triangles, builder.triangles());
+  });
+}
+
+void give_back(BorderMesh& part, SurfacePiece& piece) {
+  part.mesh.positions.resize(part.vertices);
+  part.mesh.triangles.resize(part.triangles);
+  piece.mesh.positions = std::move(part.mesh.positions);
+  piece.mesh.triangles = std::move(part.mesh.triangles);
 }
 
 }  // namespace vdwmesh

@@ -21,14 +21,13 @@ class ConstrainedRefinement final : public PieceRefinement {
   // Collective.
   void update_part() {
     part_ = {};
-    part_ = make_border_mesh(ranks_, piece_);
+    part_ = copy_border_mesh(ranks_, piece_);
     ranks_.together([&] {
       part_.mesh.triangle_spheres = piece_.mesh.triangle_spheres;
       if (projects()) return;
       part_.mesh.normals.resize(part_.mesh.vertex_count());
-      for_all(piece_.mesh.normals.size(), [&](std::size_t v) {
-        part_.mesh.normals[part_.first_vertex + v] = piece_.mesh.normals[v];
-      });
+      for_all(piece_.mesh.normals.size(),
+              [&](std::size_t v) { part_.mesh.normals[v] = piece_.mesh.normals[v]; });
     });
     if (!projects()) part_.halo.refresh(ranks_, part_.mesh.normals);
   }

@@ -204,7 +204,7 @@ class AllRanks final : public MeshTeam {
     if (joined_corners > 0) FanParting(ranks_, taken_).run(joined_corners);
   }
 
-  SurfaceTopology topology() const override {
+  SurfaceTopology topology() override {
     const MeshTopology found = examine_together(ranks_, taken_).topology;
     const auto isolated = static_cast<std::int64_t>(found.isolated_vertices);
     return ranks_.shared(SurfaceTopology{found.euler_characteristic + isolated,

@@ -19,6 +19,7 @@
 #include "distributed/border_mesh.hpp"
 #include "distributed/distribution_together.hpp"
 #include "distributed/joined_sets.hpp"
+#include "distributed/sorted_numbers.hpp"
 #include "surface/box.hpp"
 
 namespace vdwmesh {
@@ -40,32 +41,31 @@ Box box_together(const Ranks& ranks, const IndexedMesh& mesh) {
 // The connected vertices of a part. The survey has joined the ends of its own edges already.
 class VertexSets {
  public:
-  // An edge that is not own has a vertex of another rank, and so have its triangles.
-  VertexSets(const BorderMesh& part, DisjointSets sets)
-      : sets_(std::move(sets)), is_border_(part.mesh.vertex_count()) {
-    const auto is_own = [&](std::uint32_t v) {
-      return v >= part.first_vertex && v < part.end_vertex;
-    };
-    for_each_index(part.mesh.triangle_count(), [&](std::size_t t) {
+  // An edge that is not own has a vertex of another rank, and so have its triangles: these are some
+  // of the own ones and all others.
+  VertexSets(const BorderMesh& part, DisjointSets sets) : sets_(std::move(sets)) {
+    const auto join_corners = [&](std::size_t t) {
       const auto& [a, b, c] = part.mesh.triangles[t];
-      if (is_own(a) && is_own(b) && is_own(c)) return;
       sets_.join(a, b);
       sets_.join(b, c);
-    });
+    };
+    for (const std::size_t t : part.border_triangles) join_corners(t);
+    for (std::size_t t = part.triangles; t < part.mesh.triangle_count(); ++t) join_corners(t);
     for (const auto* by_rank : {&part.halo.elsewhere, &part.halo.asked_for}) {
       for (const std::vector<std::uint32_t>& vertices : *by_rank) {
-        for (const std::uint32_t v : vertices) is_border_[sets_.find(v)] = 1;
+        for (const std::uint32_t v : vertices) on_border_.push_back(sets_.find(v));
       }
     }
+    sort_without_repeats(on_border_);
   }
 
   std::uint32_t set_of(std::uint32_t vertex) { return sets_.find(vertex); }
   std::uint64_t count() const { return sets_.count(); }
-  bool is_border(std::uint64_t set) const { return is_border_[set] != 0; }
+  bool is_border(std::uint64_t set) const { return std::ranges::binary_search(on_border_, set); }
 
  private:
   DisjointSets sets_;
-  std::vector<std::uint8_t> is_border_;  // [representative of a set]
+  std::vector<std::uint64_t> on_border_;  // representatives of sets, ascending
 };
 
 // The sets of different ranks that have a vertex in common. Every rank tells the owners of vertices
@@ -198,8 +198,8 @@ QualityBrackets brackets_of_quality(const Ranks& ranks, const BorderMesh& part,
 
 }  // namespace
 
-MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece) {
-  const BorderMesh part = make_border_mesh(ranks, piece);
+MeshExamination examine_together(const Ranks& ranks, SurfacePiece& piece) {
+  BorderMesh part = take_border_mesh(ranks, piece);
   PartSurvey survey{};
   std::optional<DisjointSets> connected;
   ranks.together([&] { connected.emplace(part.mesh.vertex_count()); });
@@ -215,6 +215,7 @@ MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece) 
     throw InternalError("the mesh of all ranks is no closed, oriented 2-manifold");
   });
   const Shells shells = sum_shells(ranks, part, std::move(*connected));
+  give_back(part, piece);
   const MeshCounts counts{survey.closed,         survey.manifold,      survey.oriented,
                           piece.whole.vertices,  survey.used_vertices, survey.edges,
                           piece.whole.triangles, shells.count};

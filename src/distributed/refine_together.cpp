@@ -73,7 +73,7 @@ class Refinement final : public PieceRefinement {
   template <class T>
   void put_into_part(const Buffer<T>& own, Buffer<T>& of_part) const {
     of_part.resize(part_.mesh.vertex_count());
-    for_all(own.size(), [&](std::size_t v) { of_part[part_.first_vertex + v] = own[v]; });
+    for_all(own.size(), [&](std::size_t v) { of_part[v] = own[v]; });
   }
 
   // Brings the part up to date with the own vertices of all ranks. Collective.
@@ -96,7 +96,7 @@ class Refinement final : public PieceRefinement {
   }
 
   ProjectionStats project_given() override {
-    part_ = make_border_mesh(ranks_, piece_);
+    part_ = copy_border_mesh(ranks_, piece_);
     ProjectionStats stats;
     Moves moves;
     if (projects()) {
@@ -114,7 +114,7 @@ class Refinement final : public PieceRefinement {
     const std::size_t own = piece_.mesh.vertex_count();
     const Buffer<std::uint64_t> squares = longest_edge_squares(part_.mesh);
     const auto reach_of = [&](std::size_t v) {
-      return std::sqrt(std::bit_cast<double>(squares[part_.first_vertex + v]));
+      return std::sqrt(std::bit_cast<double>(squares[v]));
     };
     cover(own, [&](std::size_t v, Starts& starts) {
       starts.add(piece_.mesh.positions[v].z, reach_of(v));
@@ -141,13 +141,11 @@ class Refinement final : public PieceRefinement {
       return make_midpoints(edges, moves, starts);
     });
     part_ = {};
-    part_ = make_border_mesh(ranks_, piece_);
+    part_ = copy_border_mesh(ranks_, piece_);
     if (projects()) {
       ranks_.together([&] {
         put_into_part(piece_.mesh.positions, moves.starts);
-        for_all(starts.size(), [&](std::size_t i) {
-          moves.starts[part_.first_vertex + moves.first + i] = starts[i];
-        });
+        for_all(starts.size(), [&](std::size_t i) { moves.starts[moves.first + i] = starts[i]; });
         starts = Buffer<Vec3d>();  // frees the memory, as {} would not
       });
       part_.halo.refresh(ranks_, moves.starts);
@@ -202,9 +200,7 @@ class Refinement final : public PieceRefinement {
       undone = sum_all(moves.states.size(), [&](std::size_t i, std::uint64_t& count) {
         if (moves.states[i] != MoveState::to_undo) return;
         const std::size_t v = moves.first + i;
-        moves.states[i] = put(
-            {moves.starts[part_.first_vertex + v], on_sphere(moves.atoms[i]), MoveState::stayed},
-            v);
+        moves.states[i] = put({moves.starts[v], on_sphere(moves.atoms[i]), MoveState::stayed}, v);
         ++count;
       });
     });
@@ -231,7 +227,7 @@ class Refinement final : public PieceRefinement {
 
   // Threads may mark one vertex at the same time: they all store the same value.
   void mark(Moves& moves, std::uint32_t v) const {
-    const std::size_t i = v - part_.first_vertex - moves.first;  // wraps around below
+    const std::size_t i = v - moves.first;  // wraps around below
     if (i >= moves.states.size()) return;
     const std::atomic_ref state(moves.states[i]);
     if (state.load(std::memory_order_relaxed) != MoveState::moved) return;

@@ -25,12 +25,9 @@ namespace {
 // allowed.
 void check_memory(const MeshSize& size, const ExtractOptions& options, std::size_t spheres) {
   const std::uint64_t mesh = indexed_mesh_bytes(size, {.normals = options.normals});
-  // While the mesh is made, counts of bricks and the cell list take about as much as these; while
-  // it is measured, a copy of positions and triangles is there.
-  const std::uint64_t made = mesh / 4 + 128 * static_cast<std::uint64_t>(spheres),
-                      measured = sizeof(Vec3d) * size.vertices + sizeof(Triangle) * size.triangles +
-                                 measures_bytes(size);
-  const std::uint64_t beside = std::max(made, measured);
+  // While the mesh is made, counts of bricks and the cell list take about as much as this.
+  const std::uint64_t made = mesh / 4 + 128 * static_cast<std::uint64_t>(spheres);
+  const std::uint64_t beside = std::max(made, measures_bytes(size));
   if (mesh + beside <= options.memory_limit) return;
   throw LimitExceeded(fmt::format(
       "{} triangles need {} MiB of memory, {} MiB are allowed to a rank: more ranks, a larger "
@@ -85,6 +82,16 @@ void use_numbers_of_whole(const std::vector<SphereId>& ids, IndexedMesh& mesh) {
   });
 }
 
+// Makes room for the mesh of a part, and behind its arrays for what the border mesh will add to
+// them: the vertices behind the range that its triangles name, the triangles of ranges before it
+// that name own vertices, and the vertices of these. Room that is not used takes no memory.
+void reserve_with_border(const SurfacePart& part, std::uint64_t naming_triangles,
+                         IndexedMesh& mesh) {
+  const MeshSize size = part.size();
+  mesh.positions.reserve(size.vertices + part.halo().behind + naming_triangles);
+  mesh.triangles.reserve(size.triangles + naming_triangles);
+}
+
 // Adds up the counts that are of the whole mesh. Collective.
 void add_up(const Ranks& ranks, ExtractStats& stats) {
   stats.clamped_vertices = ranks.sum(stats.clamped_vertices);
@@ -132,8 +139,10 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   piece.numbers.append(ranks.of_all(own.vertices));
   piece.first_triangle = ranks.sum_before(own.triangles);
   piece.whole = {piece.numbers.whole(), ranks.sum(own.triangles)};
+  const auto naming = ranks.of_all(part->halo().naming_triangles);
   ranks.together([&] {
     const HaloVertices halo = part->halo();
+    reserve_with_border(*part, std::ranges::max(naming), piece.mesh);
     piece.stats = part->emit({0, piece.first_triangle}, piece.mesh);
     name_locally(halo, piece);
     if (!is_alone) use_numbers_of_whole(near.ids, piece.mesh);

@@ -42,6 +42,23 @@ struct SurfacePiece {
   std::string fallback{};
 };
 
+// SurfacePiece::number_of() for loops over all corners that write bytes, which might change the
+// piece for all that the compiler knows. Most corners are in the latest run of own numbers.
+class CornerNumbers {
+ public:
+  explicit CornerNumbers(const SurfacePiece& piece)
+      : piece_(piece), latest_(piece.numbers.runs().back()) {}
+
+  std::uint64_t operator()(std::uint32_t corner) const {
+    const bool is_latest = corner >= latest_.begin && corner < latest_.end;
+    return is_latest ? latest_.first + (corner - latest_.begin) : piece_.number_of(corner);
+  }
+
+ private:
+  const SurfacePiece& piece_;
+  const VertexNumbers::Run latest_;
+};
+
 // Makes the surface of the spheres, of which every rank has all, by marching cubes. The options are
 // those of an extraction and must be the same on all ranks; their connectivity and frame are not
 // looked at, and `memory_limit` is that of one rank. Each rank meshes with this backend; ranks on

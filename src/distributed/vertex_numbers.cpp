@@ -1,5 +1,5 @@
-// There are few generations, at most one for each level of refinement, so they are searched one by
-// one; the latest is the largest and comes first.
+// The generations and their runs, and the rank that a number belongs to. Searches go through the
+// generations from the latest one on.
 #include "distributed/vertex_numbers.hpp"
 
 #include <algorithm>
@@ -14,12 +14,6 @@ void VertexNumbers::append(std::span<const std::uint64_t> counts) {
   }
   runs_.push_back({firsts[rank_], own(), own() + counts[rank_]});
   firsts_.push_back(std::move(firsts));
-}
-
-std::uint64_t VertexNumbers::number_of(std::size_t own_vertex) const {
-  std::size_t g = runs_.size() - 1;
-  while (own_vertex < runs_[g].begin) --g;
-  return runs_[g].first + (own_vertex - runs_[g].begin);
 }
 
 // If the number is below the run, the difference wraps around to a number beyond the end of every

@@ -34,7 +34,13 @@ class VertexNumbers {
   std::uint64_t whole() const { return whole_; }  // the vertices of all ranks
   std::size_t own() const { return runs_.empty() ? 0 : runs_.back().end; }
 
-  std::uint64_t number_of(std::size_t own_vertex) const;
+  // There are few generations, at most one for each level of refinement, so they are searched one
+  // by one; the latest is the largest and comes first.
+  std::uint64_t number_of(std::size_t own_vertex) const {
+    const Run* run = &runs_.back();
+    while (own_vertex < run->begin) --run;
+    return run->first + (own_vertex - run->begin);
+  }
   // The local number of a vertex; empty if another rank owns it.
   std::optional<std::size_t> own_vertex(std::uint64_t number) const;
   std::size_t owner_of(std::uint64_t number) const;

@@ -448,9 +448,9 @@ class Faults(RanksTest):
                             says=("--isovalue",))  # fmt: skip
 
     def test_memory_limit_of_a_rank(self):
-        self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "40M"),
+        self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"),
                             says=("more ranks",))  # fmt: skip
-        self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "40M"))
+        self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"))
         refined = self.mesh("--spacing", "0.7", "--memory-limit", "60M", "--subdivide", "3", "--crossings", "allow")
         self.assert_all_end(LIMIT_HIT, *refined, says=("more ranks", "fewer subdivisions"))
         self.run_ranks_ok(7, *refined)

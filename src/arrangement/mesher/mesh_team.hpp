@@ -62,7 +62,7 @@ class MeshTeam {
   // of triangles at its first `joined_corners` vertices are parted (split_fans()).
   virtual void take(UnnumberedPiece&& piece, std::uint64_t joined_corners) = 0;
   // Of the mesh taken last.
-  virtual SurfaceTopology topology() const = 0;
+  virtual SurfaceTopology topology() = 0;
   // Makes the mesh taken last the result.
   virtual void keep() = 0;
   // The bytes that the result takes here; 0 if there is none yet.

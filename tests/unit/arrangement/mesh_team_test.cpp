@@ -87,7 +87,7 @@ class Member final : public MeshTeam {
     meeting_.pieces[number_] = std::move(piece);
   }
   // Asked for if features became points, which the sets below have none of.
-  SurfaceTopology topology() const override { throw InternalError("the topology was asked for"); }
+  SurfaceTopology topology() override { throw InternalError("the topology was asked for"); }
   void keep() override {}
   std::uint64_t kept_bytes() const override { return 0; }
 
