@@ -1,5 +1,5 @@
-// Counts are made by each rank for itself. A halo is sent by the ranks whose runs it consists of: they
-// have counted its bricks as their own.
+// Counts are made by each rank for itself. A halo is sent by the ranks whose runs it consists of:
+// they have counted its bricks as their own.
 #include "distributed/part_together.hpp"
 
 #include <fmt/format.h>
