@@ -246,8 +246,9 @@ HostArray<RgbColor> share_colors(const Ranks& ranks, const SharedStructure& stru
   if (structure.origin == SphereOrigin::lines) {
     const RgbColor color = element_color(Atom().element);
     return {ranks, size, [&](const ShareOfArray& share, std::span<RgbColor> all) {
-              std::fill(all.begin() + begin_of_part(size, share.number, share.count),
-                        all.begin() + begin_of_part(size, share.number + 1, share.count), color);
+              const std::uint64_t begin = begin_of_part(size, share.number, share.count),
+                                  end = begin_of_part(size, share.number + 1, share.count);
+              std::ranges::fill(all.subspan(begin, end - begin), color);
             }};
   }
   if (structure.origin == SphereOrigin::assembly) {
