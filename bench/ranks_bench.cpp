@@ -46,6 +46,7 @@
 #include "core/fixed_blocks.hpp"
 #include "cuda/backend.hpp"
 #include "distributed/host_memory.hpp"
+#include "distributed/part_together.hpp"
 #include "distributed/surface_piece.hpp"
 #include "distributed/surface_shares.hpp"
 #include "distributed/union_together.hpp"
@@ -327,13 +328,14 @@ class Bench {
     stage("shares", [&] { begins = share_bricks(ranks_, spheres_, model); });
     wanted.grid.given = model.grid;
     if (!is_alone) wanted.frame = &frame;
+    const HaloCounts halo = halo_counts(ranks_, arguments_.backend);
     stage("near", [&] {
-      if (!is_alone) near = spheres_near(ranks_, spheres_, model, begins);
+      if (!is_alone) near = spheres_near(ranks_, spheres_, model, begins, halo);
     });
     stage("count", [&] {
       const SphereSet chosen =
           SphereSet::view(is_alone ? spheres_.spheres() : std::span<const Sphere>(near.spheres));
-      part = make_extractor(arguments_.backend)->count(chosen, run_of(ranks_, begins), wanted);
+      part = count_together(ranks_, chosen, begins, halo, wanted, arguments_.backend);
     });
     stage("emit", [&] { part->emit({}, made); });
   }

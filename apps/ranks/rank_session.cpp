@@ -1,14 +1,11 @@
-// The first rank reads, because a parallel file system is slow for many readers of one small file,
-// and because standard input is there alone.
+// Which processors a rank may use: those that it is bound to, or its share of the host's. Only the
+// first rank shows progress and prints.
 #include "ranks/rank_session.hpp"
 
 #include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <utility>
-
-#include "steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -22,27 +19,6 @@ std::uint64_t usable_processors() {
 }
 
 }  // namespace
-
-SharedStructure load_together(const Ranks& ranks, const InputOptions& options, Session& session) {
-  SharedStructure shared;
-  SphereSet read;
-  ranks.together([&] {
-    if (!ranks.is_first()) return;
-    auto [molecule, set] = load(options, session);
-    shared.molecule = std::move(molecule);
-    read = std::move(set);
-  });
-  shared.of_spheres = HostArray<Sphere>(ranks, read.spheres());
-  ranks.together([&] { shared.spheres = SphereSet::view(shared.of_spheres.span()); });
-  session.end_stage(&Timing::read);
-  return shared;
-}
-
-HostArray<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule) {
-  std::vector<RgbColor> colors;
-  ranks.together([&] { colors = element_colors(molecule); });
-  return {ranks, colors};
-}
 
 // Ranks that are bound to processors of their own take these. Ranks that are not share all that the
 // host has: the processors that they could use are then more than there are.

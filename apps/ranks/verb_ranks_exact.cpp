@@ -6,6 +6,7 @@
 #include "per_atom.hpp"
 #include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
+#include "ranks/shared_structure.hpp"
 #include "steps.hpp"
 
 namespace vdwmesh::apps {
@@ -43,7 +44,10 @@ void deliver(const Options& options, const Molecule& molecule, VerbSession& sess
 
 void run_ranks_exact(const Ranks& ranks, const Options& options) {
   VerbSession session(machine_of_rank(ranks, options.machine));
-  const SharedStructure shared = load_together(ranks, options.inputs.front(), session);
+  const InputOptions& input = options.inputs.front();
+  const bool names_atoms = !options.output.per_atom.empty() || !input.read.measure.empty();
+  const SharedStructure shared = load_together(
+      ranks, input, names_atoms ? AtomRecords::needed : AtomRecords::needless, session);
   const auto measured = share_measured(ranks, shared.molecule);
   session.end_stage(&Timing::plan);
   UnionTogetherOptions wanted;

@@ -18,6 +18,7 @@
 #include "output.hpp"
 #include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
+#include "ranks/shared_structure.hpp"
 #include "refuse.hpp"
 #include "steps.hpp"
 
@@ -151,9 +152,9 @@ void measure_piece(const Ranks& ranks, SurfacePiece& piece, const SphereSet& sph
   });
 }
 
-void write_piece(const Ranks& ranks, const SurfacePiece& piece, const Molecule& molecule,
+void write_piece(const Ranks& ranks, const SurfacePiece& piece, const SharedStructure& shared,
                  const std::string& path, Session& session) {
-  const HostArray<RgbColor> colors = share_colors(ranks, molecule);
+  const HostArray<RgbColor> colors = share_colors(ranks, shared);
   const std::filesystem::path hidden = choose_hidden_name(ranks, path);
   const RemoveOnSignal remove(hidden);
   SharedFile file(ranks, path, hidden);
@@ -169,10 +170,13 @@ void write_piece(const Ranks& ranks, const SurfacePiece& piece, const Molecule& 
 void run_ranks_mesh(const Ranks& ranks, const Options& options) {
   VerbSession session(machine_of_rank(ranks, options.machine));
   ranks.together([&] { require_format(options.mesh_path); });
-  const SharedStructure shared = load_together(ranks, options.inputs.front(), session);
+  // Edge lengths may differ from atom to atom.
+  const AtomRecords records =
+      options.surface.grading.is_uniform() ? AtomRecords::needless : AtomRecords::needed;
+  const SharedStructure shared = load_together(ranks, options.inputs.front(), records, session);
   SurfacePiece piece = make_piece(ranks, shared, options, session);
   measure_piece(ranks, piece, shared.spheres, session);
-  write_piece(ranks, piece, shared.molecule, options.mesh_path, session);
+  write_piece(ranks, piece, shared, options.mesh_path, session);
   ranks.together([&] {
     if (ranks.is_first()) session.deliver_report(options.output);
   });

@@ -1,8 +1,8 @@
 // A rank sends each of its triangles that has vertices of other ranks to the owners of these
 // vertices. With the triangles that arrive it knows all vertices of its part. It names those of
-// other ranks to their owners (halo.hpp), which send their positions. Vertices are in the order of
-// their owners, and those of one owner in the order of their numbers: so all ranks agree which of
-// two vertices is the smaller one, whatever their indices in a part are.
+// other ranks to their owners (halo.hpp), which send their positions. Of two vertices the one whose
+// owner is the lower rank is the smaller one, and of one owner's the one with the lower number: so
+// all ranks agree (MeshPart), whatever indices the vertices have in a part.
 #include "distributed/border_mesh.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 // The numbers of the corners in the whole mesh.
 using NumberedTriangle = std::array<std::uint64_t, 3>;
 
-// The elements of an array, with room for `count`.
+// An array of `count` elements that begins with a copy of `own`. The other elements have no values.
 template <class T>
 Buffer<T> copied(const Buffer<T>& own, std::size_t count) {
   Buffer<T> all;
@@ -29,10 +29,11 @@ Buffer<T> copied(const Buffer<T>& own, std::size_t count) {
   for_each_index(own.size(), [&](std::size_t i) { all[i] = own[i]; });
   return all;
 }
+// The same without a copy: takes the array `own` itself, which is left empty.
 template <class T>
 Buffer<T> taken(Buffer<T>& own, std::size_t count) {
   Buffer<T> all = std::move(own);
-  all.reserve(count);  // if it has to be moved: to no more than that, where resize() takes twice
+  all.reserve(count);  // resize() alone would double the memory of an array that lacks the room
   all.resize(count);
   return all;
 }
@@ -45,20 +46,17 @@ class Builder {
         self_(static_cast<std::size_t>(ranks.number())),
         own_(piece.numbers.own()) {}
 
-  // `with_room` makes an array of the part of one of the piece. Collective.
-  template <class WithRoom>
-  BorderMesh run(const WithRoom& with_room) {
-    std::vector<std::vector<NumberedTriangle>> sent;
-    ranks_.together([&] {
-      find_border_triangles();
-      sent = triangles_for_owners();
-    });
-    received_ = ranks_.exchange(sent);
+  // Calls start(mesh, V) once it is known that the part has V vertices and triangles() triangles:
+  // the function makes arrays of these sizes, which begin with the positions and triangles of the
+  // piece. The rest of the elements are filled here. Collective.
+  template <class Start>
+  BorderMesh run(const Start& start) {
+    exchange_triangles();
     ranks_.together([&] { find_elsewhere(); });
     const std::vector<std::vector<std::uint64_t>> asked_for = ranks_.exchange(named_);
     ranks_.together([&] {
       find_asked_for(asked_for);
-      with_room(part_.mesh, own_ + elsewhere_.size());
+      start(part_.mesh, own_ + elsewhere_.size());
       append_triangles();
     });
     part_.halo.refresh(ranks_, part_.mesh.positions);
@@ -74,6 +72,16 @@ class Builder {
 
  private:
   bool is_own(std::uint32_t corner) const { return corner < own_; }
+
+  // Collective.
+  void exchange_triangles() {
+    std::vector<std::vector<NumberedTriangle>> sent;
+    ranks_.together([&] {
+      find_border_triangles();
+      sent = triangles_for_owners();
+    });
+    received_ = ranks_.exchange(sent);
+  }
 
   void find_border_triangles() {
     const Buffer<Triangle>& triangles = piece_.mesh.triangles;
@@ -99,8 +107,8 @@ class Builder {
       }
       std::ranges::sort(owners);
       for (std::size_t k = 0; k < owners.size(); ++k) {
-        const bool again = k > 0 && owners[k] == owners[k - 1];
-        if (!again && owners[k] != self_) sent[owners[k]].push_back(numbers);
+        const bool is_repeated = k > 0 && owners[k] == owners[k - 1];
+        if (!is_repeated && owners[k] != self_) sent[owners[k]].push_back(numbers);
       }
     }
     return sent;
@@ -146,12 +154,13 @@ class Builder {
   // The index of a vertex in the part.
   std::uint32_t local_of(std::uint64_t number) const {
     if (const auto own = piece_.numbers.own_vertex(number)) return static_cast<std::uint32_t>(*own);
-    const auto named = elsewhere_.begin() + static_cast<std::ptrdiff_t>(piece_.elsewhere.size());
-    auto place = std::lower_bound(elsewhere_.begin(), named, number);
-    if (place == named || *place != number)
-      place = std::lower_bound(named, elsewhere_.end(), number);
+    const auto added = elsewhere_.begin() + static_cast<std::ptrdiff_t>(piece_.elsewhere.size());
+    auto found = std::lower_bound(elsewhere_.begin(), added, number);
+    if (found == added || *found != number) {
+      found = std::lower_bound(added, elsewhere_.end(), number);
+    }
     return static_cast<std::uint32_t>(own_) +
-           static_cast<std::uint32_t>(place - elsewhere_.begin());
+           static_cast<std::uint32_t>(found - elsewhere_.begin());
   }
 
   void append_triangles() {
@@ -168,9 +177,11 @@ class Builder {
   const std::size_t self_, own_;  // this rank, and how many vertices it owns
   BorderMesh part_;
   std::vector<std::vector<NumberedTriangle>> received_;  // [sender]
-  // The vertices of the part that other ranks own: those of the piece, then the others; ascending.
+  // The numbers of the vertices of the part that other ranks own. There are two runs, each of which
+  // ascends: SurfacePiece::elsewhere, and behind it the vertices that only the others' triangles
+  // have.
   std::vector<std::uint64_t> elsewhere_;
-  std::vector<std::vector<std::uint64_t>> named_;  // the same by owner
+  std::vector<std::vector<std::uint64_t>> named_;  // the same by owner, in the same order
 };
 
 }  // namespace

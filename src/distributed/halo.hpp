@@ -10,8 +10,8 @@
 namespace vdwmesh {
 
 struct Halo {
-  // [rank]: the vertices of this part that the rank owns, in the order of their numbers, as indices
-  // in the arrays of the part.
+  // [rank]: the vertices of this part that the rank owns, ascending, as indices in the arrays of
+  // the part.
   std::vector<std::vector<std::uint32_t>> elsewhere;
   // [rank]: the own vertices that the rank has in its part, in the order of its `elsewhere`.
   std::vector<std::vector<std::uint32_t>> asked_for;

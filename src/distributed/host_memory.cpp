@@ -1,6 +1,7 @@
 // HostMemory: the lowest rank of a host, its leader, makes an anonymous file in memory, and the
 // others map it by the name that it has among the leader's open files in /proc. The leaders send
-// each other the contents, so these are sent once to each host and not once to each rank.
+// each other the contents, so these are sent once to each host and not once to each rank; or the
+// ranks of each host write them together.
 //
 // Shared windows of MPI would do the same, but Open MPI keeps them in /dev/shm, which containers
 // often limit to 64 MB, and ends the run if that does not suffice. If a mapping fails here on any
@@ -37,9 +38,9 @@ class Descriptor {
 };
 
 // Null where it fails.
-void* map(int descriptor, std::size_t size, int protection) {
+void* map(int descriptor, std::size_t size) {
   if (descriptor < 0) return nullptr;
-  void* const place = ::mmap(nullptr, size, protection, MAP_SHARED, descriptor, 0);
+  void* const place = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
   return place == MAP_FAILED ? nullptr : place;
 }
 
@@ -76,19 +77,18 @@ FileName share_name(const Ranks& ranks, int descriptor) {
 void* map_named(const FileName& file, std::size_t size) {
   if (file.number < 0) return nullptr;
   const std::string name = fmt::format("/proc/{}/fd/{}", file.process, file.number);
-  const Descriptor opened(::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  const Descriptor opened(::open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (identity_of(opened.number()) != std::pair(file.device, file.node)) return nullptr;
-  return map(opened.number(), size, PROT_READ);
+  return map(opened.number(), size);
 }
 
 }  // namespace
 
-HostMemory::HostMemory(const Ranks& ranks, std::span<const std::byte> contents) {
-  const std::size_t size = ranks.shared(std::uint64_t{contents.size()});
-  if (size == 0) return;
+// Returns the bytes, which the caller fills. Collective.
+std::span<std::byte> HostMemory::make_room(const Ranks& ranks, std::uint64_t size) {
   const bool leads = ranks.leads_host();
   const Descriptor made(leads ? make_file(size) : -1);
-  if (leads) mapping_ = map(made.number(), size, PROT_READ | PROT_WRITE);
+  if (leads) mapping_ = map(made.number(), size);
   const FileName name = share_name(ranks, made.number());
   if (!leads) mapping_ = map_named(name, size);
   if (ranks.sum_on_host(std::uint64_t{mapping_ == nullptr}) > 0) {
@@ -98,13 +98,32 @@ HostMemory::HostMemory(const Ranks& ranks, std::span<const std::byte> contents) 
   ranks.together([&] {
     if (mapping_ == nullptr) own_.resize(size);
   });
-  bytes_ = mapping_ != nullptr ? std::span(static_cast<const std::byte*>(mapping_), size) : own_;
-  const std::span<std::byte> to_fill =
+  const std::span<std::byte> room =
       mapping_ != nullptr ? std::span(static_cast<std::byte*>(mapping_), size) : own_;
+  bytes_ = room;
+  return room;
+}
+
+HostMemory::HostMemory(const Ranks& ranks, std::span<const std::byte> contents) {
+  const std::uint64_t size = ranks.shared(std::uint64_t{contents.size()});
+  if (size == 0) return;
+  const std::span<std::byte> to_fill = make_room(ranks, size);
   if (ranks.is_first()) std::ranges::copy(contents, to_fill.begin());
-  if (leads) ranks.share_among_hosts(to_fill);
+  if (ranks.leads_host()) ranks.share_among_hosts(to_fill);
   // Copies are filled; of a mapping, the ranks that only read it hear that it is full.
   ranks.share_on_host(mapping_ == nullptr ? to_fill : std::span<std::byte>());
+}
+
+// A rank whose bytes are its own makes all of them. No rank returns from together() before all have
+// made theirs.
+HostMemory::HostMemory(const Ranks& ranks, std::uint64_t size, const Fill& fill) : HostMemory() {
+  if (size == 0) return;
+  const std::span<std::byte> to_fill = make_room(ranks, size);
+  const ShareOfArray share = mapping_ == nullptr
+                                 ? ShareOfArray{0, 1}
+                                 : ShareOfArray{static_cast<std::uint64_t>(ranks.number_on_host()),
+                                                static_cast<std::uint64_t>(ranks.count_on_host())};
+  ranks.together([&] { fill(share, to_fill); });
 }
 
 HostMemory::~HostMemory() {

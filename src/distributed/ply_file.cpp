@@ -34,8 +34,8 @@ void write_vertices(const IndexedMesh& mesh, const VertexNumbers::Run& run,
 // A file has fewer vertices than 2^32 (check_ply_size()).
 void write_faces(const SurfacePiece& piece, TriangleLabels labels, ByteSink& sink) {
   formats::ChunkWriter out(sink);
-  const auto index_of = [number_of = CornerNumbers(piece)](std::uint32_t corner) {
-    return static_cast<std::uint32_t>(number_of(corner));
+  const auto index_of = [&](std::uint32_t corner) {
+    return static_cast<std::uint32_t>(piece.number_of(corner));
   };
   for (std::size_t t = 0; t < piece.mesh.triangle_count(); ++t) {
     const auto& [a, b, c] = piece.mesh.triangles[t];

@@ -12,29 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "distributed/part_together.hpp"
 #include "distributed/sorted_numbers.hpp"
 #include "distributed/surface_shares.hpp"
 
 namespace vdwmesh {
 namespace {
-
-// Throws LimitExceeded if the part that a rank has counted does not fit the memory that it is
-// allowed.
-void check_memory(const MeshSize& size, const ExtractOptions& options, std::size_t spheres) {
-  const std::uint64_t mesh = indexed_mesh_bytes(size, {.normals = options.normals});
-  // While the mesh is made, counts of bricks and the cell list take about as much as this.
-  const std::uint64_t made = mesh / 4 + 128 * static_cast<std::uint64_t>(spheres);
-  const std::uint64_t beside = std::max(made, measures_bytes(size));
-  if (mesh + beside <= options.memory_limit) return;
-  throw LimitExceeded(fmt::format(
-      "{} triangles need {} MiB of memory, {} MiB are allowed to a rank: more ranks, a larger "
-      "--spacing or --memory-limit {}M would do",
-      size.triangles, (mesh + beside) >> 20, options.memory_limit >> 20,
-      ((mesh + beside) >> 20) + 1));
-}
 
 // Throws LimitExceeded if the triangles of this rank may name more vertices than 32 bits tell
 // apart.
@@ -115,23 +100,20 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   ranks.together([&] { model = make_field_model(options.field, *options.grid.given); });
   const bool is_alone = ranks.count() == 1;  // its cell list then makes a frame by itself
   CellListFrame frame;
-  KeyRange share;
+  std::vector<std::uint64_t> begins{0};
   ChosenSpheres near;
+  const HaloCounts halo = halo_counts(ranks, backend);
   if (!is_alone) {
     frame = frame_together(ranks, spheres, model);
     options.frame = &frame;
-    const std::vector<std::uint64_t> begins = share_bricks(ranks, spheres, model);
-    share = run_of(ranks, begins);
-    near = spheres_near(ranks, spheres, model, begins);
+    begins = share_bricks(ranks, spheres, model);
+    near = spheres_near(ranks, spheres, model, begins, halo);
   }
-  std::unique_ptr<SurfacePart> part;
-  ranks.together([&] {
-    const SphereSet chosen =
-        SphereSet::view(is_alone ? spheres.spheres() : std::span<const Sphere>(near.spheres));
-    part = make_extractor(backend)->count(chosen, share, options);
-    check_memory(part->size(), options, chosen.size());
-    check_names(*part);
-  });
+  SphereSet chosen;
+  ranks.together([&] { chosen = SphereSet::view(is_alone ? spheres.spheres() : near.spheres); });
+  const std::unique_ptr<SurfacePart> part =
+      count_together(ranks, chosen, begins, halo, options, backend);
+  ranks.together([&] { check_names(*part); });
   const MeshSize own = part->size();
   SurfacePiece piece;
   piece.mesh = std::move(memory);
@@ -141,10 +123,9 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   piece.whole = {piece.numbers.whole(), ranks.sum(own.triangles)};
   const auto naming = ranks.of_all(part->halo().naming_triangles);
   ranks.together([&] {
-    const HaloVertices halo = part->halo();
     reserve_with_border(*part, std::ranges::max(naming), piece.mesh);
     piece.stats = part->emit({0, piece.first_triangle}, piece.mesh);
-    name_locally(halo, piece);
+    name_locally(part->halo(), piece);
     if (!is_alone) use_numbers_of_whole(near.ids, piece.mesh);
   });
   add_up(ranks, piece.stats);

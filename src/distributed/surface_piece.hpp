@@ -26,7 +26,8 @@ struct SurfacePiece {
   IndexedMesh mesh;
   // Whether triangles have labels; a rank without triangles cannot tell.
   TriangleLabels labels = TriangleLabels::none;
-  // Numbers of the vertices of other ranks that triangles of this piece have, ascending.
+  // Numbers of the vertices of other ranks that triangles of this piece have. They ascend: vertices
+  // are searched in them by bisection.
   std::vector<std::uint64_t> elsewhere;
 
   // The number in the whole mesh of a corner of a triangle.
@@ -40,23 +41,6 @@ struct SurfacePiece {
   // If the CPU made the part of a rank although a device was asked for: the reason of the lowest
   // such rank. Else empty.
   std::string fallback{};
-};
-
-// SurfacePiece::number_of() for loops over all corners that write bytes, which might change the
-// piece for all that the compiler knows. Most corners are in the latest run of own numbers.
-class CornerNumbers {
- public:
-  explicit CornerNumbers(const SurfacePiece& piece)
-      : piece_(piece), latest_(piece.numbers.runs().back()) {}
-
-  std::uint64_t operator()(std::uint32_t corner) const {
-    const bool is_latest = corner >= latest_.begin && corner < latest_.end;
-    return is_latest ? latest_.first + (corner - latest_.begin) : piece_.number_of(corner);
-  }
-
- private:
-  const SurfacePiece& piece_;
-  const VertexNumbers::Run latest_;
 };
 
 // Makes the surface of the spheres, of which every rank has all, by marching cubes. The options are

@@ -67,19 +67,18 @@ std::vector<SphereId> found_for_own(const Ranks& ranks,
   return joined(ranks.exchange(for_each_rank));
 }
 
-KeyRange run_at(std::span<const std::uint64_t> begins, std::size_t run) {
-  return {begins[run], run + 1 < begins.size() ? begins[run + 1] : kNoBrickKey};
-}
-
 // The spheres that have an effect on a run of bricks are within a slab. Both ends of the slabs rise
 // from run to run.
-std::vector<Slab> slabs_of_runs(const GridSpec& grid, std::span<const std::uint64_t> begins) {
+std::vector<Slab> slabs_of_runs(const GridSpec& grid, std::span<const std::uint64_t> begins,
+                                HaloCounts halo) {
   const std::int64_t top = brick_count(grid.cells.z) - 1;
   std::vector<Slab> slabs;
   for (std::size_t run = 0; run < begins.size(); ++run) {
-    const KeyRange halo = with_halo(run_at(begins, run), Connectivity::triangles);
-    const std::int64_t last = halo.end == kNoBrickKey ? top : brick_of_key(halo.end).z;
-    slabs.push_back(slab_of_bricks(grid.origin.z, grid.spacing, brick_of_key(halo.begin).z,
+    const KeyRange own = run_at(begins, run);
+    const KeyRange counted =
+        halo == HaloCounts::given ? own : with_halo(own, Connectivity::triangles);
+    const std::int64_t last = counted.end == kNoBrickKey ? top : brick_of_key(counted.end).z;
+    slabs.push_back(slab_of_bricks(grid.origin.z, grid.spacing, brick_of_key(counted.begin).z,
                                    std::min(last, top)));
   }
   return slabs;
@@ -172,15 +171,20 @@ std::vector<std::uint64_t> share_bricks(const Ranks& ranks, const SphereSet& sph
   return begins;
 }
 
+KeyRange run_at(std::span<const std::uint64_t> begins, std::size_t run) {
+  return {begins[run], run + 1 < begins.size() ? begins[run + 1] : kNoBrickKey};
+}
+
 KeyRange run_of(const Ranks& ranks, std::span<const std::uint64_t> begins) {
   return run_at(begins, static_cast<std::size_t>(ranks.number()));
 }
 
 std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
                                                      const FieldModel& model, std::size_t block,
-                                                     std::span<const std::uint64_t> begins) {
+                                                     std::span<const std::uint64_t> begins,
+                                                     HaloCounts halo) {
   using Near = std::vector<std::vector<SphereId>>;  // by run
-  const std::vector<Slab> slabs = slabs_of_runs(model.grid, begins);
+  const std::vector<Slab> slabs = slabs_of_runs(model.grid, begins, halo);
   const std::span<const Sphere> looked_at = block_of(spheres, block, begins.size());
   if (looked_at.empty()) return Near(begins.size());
   const auto first_id = static_cast<SphereId>(looked_at.data() - spheres.spheres().data());
@@ -203,10 +207,10 @@ std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
 }
 
 ChosenSpheres spheres_near(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model,
-                           std::span<const std::uint64_t> begins) {
+                           std::span<const std::uint64_t> begins, HaloCounts halo) {
   const auto rank = static_cast<std::size_t>(ranks.number());
   std::vector<std::vector<SphereId>> for_each;
-  ranks.together([&] { for_each = spheres_near_runs(spheres, model, rank, begins); });
+  ranks.together([&] { for_each = spheres_near_runs(spheres, model, rank, begins, halo); });
   ChosenSpheres near;
   near.ids = found_for_own(ranks, for_each);
   ranks.together([&] {

@@ -36,18 +36,24 @@ std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t 
 std::vector<std::uint64_t> share_bricks(const Ranks& ranks, const SphereSet& spheres,
                                         const FieldModel& model);
 
-// The run of this rank, by the first keys of all runs.
+// A run, and that of this rank, by the first keys of all runs.
+KeyRange run_at(std::span<const std::uint64_t> begins, std::size_t run);
 KeyRange run_of(const Ranks& ranks, std::span<const std::uint64_t> begins);
 
-// The spheres that have an effect on the field in the bricks of a run and in those that its
-// triangles refer to. spheres_near_runs() looks at one of as many blocks of the spheres as there
+// Who counts the bricks behind a run to which its triangles refer, its halo: the rank itself, or
+// the next ranks, which give it what they have counted.
+enum class HaloCounts : std::uint8_t { own, given };
+
+// The spheres that have an effect on the field in the bricks of a run, and of its halo if the rank
+// counts that itself. spheres_near_runs() looks at one of as many blocks of the spheres as there
 // are runs, and returns them by run, ascending. spheres_near() returns those of this rank's run,
 // which all ranks find for it. Where there are none, the first sphere of the set stands for them,
 // because many functions refuse an empty set. The second function is collective.
 std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
                                                      const FieldModel& model, std::size_t block,
-                                                     std::span<const std::uint64_t> begins);
+                                                     std::span<const std::uint64_t> begins,
+                                                     HaloCounts halo);
 ChosenSpheres spheres_near(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model,
-                           std::span<const std::uint64_t> begins);
+                           std::span<const std::uint64_t> begins, HaloCounts halo);
 
 }  // namespace vdwmesh

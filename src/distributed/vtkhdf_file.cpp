@@ -68,8 +68,8 @@ void write_triangles_of(const SurfacePiece& piece, bool holds_end, const VtkHdfP
   const Buffer<Triangle>& triangles = piece.mesh.triangles;
   const std::uint64_t first = piece.first_triangle;
   const std::size_t count = triangles.size();
-  const auto number = [number_of = CornerNumbers(piece)](std::uint32_t corner) {
-    return static_cast<std::int64_t>(number_of(corner));
+  const auto number = [&](std::uint32_t corner) {
+    return static_cast<std::int64_t>(piece.number_of(corner));
   };
   write_made(file, places.connectivity, first, count, [&](std::size_t t) {
     const auto& [a, b, c] = triangles[t];

@@ -10,6 +10,7 @@
 #include "extract/extractor.hpp"
 #include "extract/field_kinds.hpp"
 #include "extract/field_list.hpp"
+#include "extract/part_without_halo.hpp"
 #include "extract/union/union_brick.hpp"
 
 namespace vdwmesh {
@@ -77,18 +78,25 @@ struct Scene {
   CellListView list;
 };
 
-// The search covers the range and its halo; only the bricks of the range are emitted.
-class CpuSurfacePart final : public SurfacePart {
+// Only the bricks of the range are emitted.
+class CpuSurfacePart final : public PartWithoutHalo {
  public:
-  CpuSurfacePart(const SphereSet& spheres, const KeyRange& range, const ExtractOptions& options)
+  // `searched` is the range, and its halo too if that is to be counted here.
+  CpuSurfacePart(const SphereSet& spheres, const KeyRange& range, const KeyRange& searched,
+                 const ExtractOptions& options)
       : workspace_(options.workspace),
         scene_(spheres, options, workspace_),
         mesher_(scene_.model.grid, loops_of(scene_.job()), LabelWidth::one, options, workspace_) {
-    mesher_.count(scene_.candidates(with_halo(range, options.connectivity), options), range);
+    mesher_.count(scene_.candidates(searched, options), range);
   }
 
   MeshSize size() const override { return mesher_.size(); }
   HaloVertices halo() const override { return mesher_.halo(); }
+
+  std::span<const ActiveBrick> counted(const KeyRange& wanted) const override {
+    return mesher_.counted(wanted);
+  }
+  void set_halo(std::span<const ActiveBrick> bricks) override { mesher_.set_halo(bricks); }
 
   ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) override {
     mesher_.emit(first, mesh);
@@ -114,11 +122,19 @@ class CpuExtractor final : public Extractor {
 
   std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                      const ExtractOptions& options) const override {
-    return std::make_unique<CpuSurfacePart>(spheres, range, options);
+    return std::make_unique<CpuSurfacePart>(spheres, range, with_halo(range, options.connectivity),
+                                            options);
   }
 };
 
 }  // namespace
+
+std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres, const KeyRange& range,
+                                                    const ExtractOptions& options) {
+  ExtractOptions without_half_edges = options;
+  without_half_edges.connectivity = Connectivity::triangles;
+  return std::make_unique<CpuSurfacePart>(spheres, range, range, without_half_edges);
+}
 
 std::unique_ptr<Extractor> make_cpu_extractor() { return std::make_unique<CpuExtractor>(); }
 

@@ -1,10 +1,11 @@
 // Choice::run() goes through the options one after the other, on one list of sites. A site is an
 // atom of the file with its residue, chain and model (site.hpp). Each step erases sites and counts
-// them under its reason. The sites that are left get radii and become the atoms of the Molecule:
-// once each for the asymmetric unit, or once for each copy in an assembly.
+// them under its reason. The sites that are left get radii and become the atoms of the Molecule,
+// once each. For an assembly, its copies are listed; expanded() makes them.
 //
-// The atoms of an assembly are counted before they are made. An operator expression of a few
-// characters can stand for billions of copies, so the number is checked against the limits first.
+// The atoms of an assembly are counted before its copies are listed. An operator expression of a
+// few characters can stand for billions of copies, so the number is checked against the limits
+// first.
 #include "structure/choose.hpp"
 
 #include <fmt/format.h>
@@ -111,6 +112,29 @@ class CopyChainNames {
   std::set<std::string> used_;         // all names in names_
 };
 
+// Reserves memory for that many atoms.
+void make_room(std::size_t atoms, Molecule& molecule) {
+  molecule.atoms.reserve(atoms);
+  advise_large_pages(molecule.atoms.data(), atoms);
+}
+
+// Of the structure, with the copies.
+std::uint64_t count_atoms(const Molecule& molecule, const std::vector<ChainCopy>& copies) {
+  if (copies.empty()) return molecule.atoms.size();
+  std::uint64_t count = 0;
+  for (const ChainCopy& copy : copies) count += copy.count;
+  return count;
+}
+
+// Throws if a copy of an atom is too far away.
+void refuse_if_far(const Vec3d& p, const ChainCopy& copy, const Molecule& molecule) {
+  if (!is_far(p)) return;
+  throw FileFormatError(
+      fmt::format("{}: assembly {}: operator {} moves an atom to {:g}, {:g}, {:g} Å; coordinates "
+                  "of up to {:g} Å can be meshed",
+                  molecule.path, molecule.assembly, copy.operators, p.x, p.y, p.z, kFarthest));
+}
+
 // One call of choose_atoms(). sites_ holds the atoms that no step has dropped.
 class Choice {
  public:
@@ -122,7 +146,7 @@ class Choice {
     molecule_.warnings = file.warnings;
   }
 
-  Molecule run(const RadiusTable& table) {
+  UnexpandedMolecule run(const RadiusTable& table) {
     choose_models();
     drop_by_kind(table);
     if (file_.has_labels || options_.altloc != "highest")
@@ -140,7 +164,7 @@ class Choice {
       take_assembly();
     refuse_if_none_measured();
     count_guesses();
-    return std::move(molecule_);
+    return {std::move(molecule_), std::move(copies_)};
   }
 
  private:
@@ -251,7 +275,7 @@ class Choice {
     if (std::any_of(molecule_.atoms.begin(), molecule_.atoms.end(), is_measured)) return;
     throw InvalidInput(
         fmt::format("{}: selection {} of the atoms to measure matches none of the {} atoms in use",
-                    file_.path, in_quotes(options_.measure), molecule_.atoms.size()));
+                    file_.path, in_quotes(options_.measure), count_atoms(molecule_, copies_)));
   }
 
   // Throws if no atom is left, and lists how many each step dropped.
@@ -325,15 +349,15 @@ class Choice {
         molecule_.elements_guessed, unusual.empty() ? " none" : named);
   }
 
-  // Appends the atom of the site to the molecule, and returns it for changes.
-  Atom& take(const Site& site) {
+  // Appends the atom of the site to the molecule.
+  void take(const Site& site) {
     const AtomRecord& from = *site.atom;
     if (site.place != place_) enter(*site.place);
     has_guesses_ |= from.element_guessed;
-    return molecule_.atoms.emplace_back(
-        from.position, from.radius, symbols_[static_cast<std::size_t>(from.element)], from.name,
-        residue_name_, chain_, residue_number_, from.serial, model_number_, from.hetero,
-        from.measured, from.group, from.polarity);
+    molecule_.atoms.emplace_back(from.position, from.radius,
+                                 symbols_[static_cast<std::size_t>(from.element)], from.name,
+                                 residue_name_, chain_, residue_number_, from.serial, model_number_,
+                                 from.hetero, from.measured, from.group, from.polarity);
   }
 
   // Makes the texts that the atoms of a residue share.
@@ -352,18 +376,17 @@ class Choice {
     const auto in_order = [](const Site& a, const Site& b) { return a.atom < b.atom; };
     if (!std::is_sorted(sites_.begin(), sites_.end(), in_order))
       std::stable_sort(sites_.begin(), sites_.end(), in_order);
-    make_room(sites_.size());
+    take_all();
+  }
+
+  // Each site once.
+  void take_all() {
+    make_room(sites_.size(), molecule_);
     for (const Site& site : sites_) take(site);
     molecule_.atoms_used = sites_.size();
   }
 
-  // Reserves memory for that many atoms.
-  void make_room(std::size_t atoms) {
-    molecule_.atoms.reserve(atoms);
-    advise_large_pages(molecule_.atoms.data(), atoms);
-  }
-
-  // Appends the copies of the assembly: model by model, in a model part by part of the recipe, in a
+  // Lists the copies of the assembly: model by model, in a model part by part of the recipe, in a
   // part copy by copy. The sites of a model, [first, last), are consecutive: choose_models() put
   // them in this order, and no step since then has sorted them.
   void take_assembly() {
@@ -375,16 +398,15 @@ class Choice {
     drop("not_in_assembly", [&](const Site& site) { return !used[index_of(site)]; });
     refuse_if_empty();
     refuse_if_too_many(atoms);
-    make_room(static_cast<std::size_t>(atoms));
+    take_all();
     for (auto first = sites_.cbegin(); first != sites_.cend();) {
       const auto last = std::find_if(first, sites_.cend(), [first](const Site& site) {
         return site.place->model != first->place->model;
       });
       CopyChainNames names;  // each model begins with A1 again
-      for (const ChainCopies& part : recipe.parts) take_copies(part, first, last, names);
+      for (const ChainCopies& part : recipe.parts) list_copies(part, first, last, names);
       first = last;
     }
-    molecule_.atoms_used = sites_.size();
   }
 
   // Throws if the file has no assembly of that name; the message lists the names.
@@ -435,44 +457,39 @@ class Choice {
         file_.path, options_.assembly, atoms, bytes / 0x1p30, allowed / 0x1p30, kMostAtoms));
   }
 
-  // Appends the copies of one part, for the sites [first, last) of one model.
-  void take_copies(const ChainCopies& part, Sites::const_iterator first, Sites::const_iterator last,
+  // The runs of sites in [first, last) that the part holds. The sites of a run follow each other
+  // and are of one chain.
+  std::vector<std::span<const Site>> runs_of(const ChainCopies& part, Sites::const_iterator first,
+                                             Sites::const_iterator last) const {
+    std::vector<std::span<const Site>> runs;
+    while (first != last) {
+      const auto begin = first;
+      const bool is_held = holds(part, *begin);
+      do {
+        ++first;
+      } while (first != last && first->place->chain == begin->place->chain &&
+               holds(part, *first) == is_held);
+      if (is_held) runs.emplace_back(begin, first);
+    }
+    return runs;
+  }
+
+  // Lists the copies of one part, for the sites [first, last) of one model. The atoms of the
+  // molecule have the indices of their sites.
+  void list_copies(const ChainCopies& part, Sites::const_iterator first, Sites::const_iterator last,
                    CopyChainNames& names) {
-    std::vector<const Site*> held;
-    for (auto site = first; site != last; ++site)
-      if (holds(part, *site)) held.push_back(&*site);
+    const std::vector<std::span<const Site>> runs = runs_of(part, first, last);
     // A part without atoms has no share in the number of atoms, so refuse_if_too_many() has not
     // bounded its combinations. There may be more than 2^64 of them.
-    if (held.empty()) return;
+    if (runs.empty()) return;
     for (const OperatorProduct& product : part.products)
       for_each_combination(product, [&](const OperatorCombination& combination) {
         const AffineMap map = map_of(file_.assemblies, combination);
-        const gemmi::Chain* chain = nullptr;
-        ShortText name;
-        // The name is looked up once for each run of atoms of one chain; `chain` is the last one.
-        for (const Site* site : held) {
-          if (site->place->chain != chain) {
-            chain = site->place->chain;
-            name = names.of(*chain, combination);
-          }
-          Atom& copy = take(*site);
-          copy.position = map(copy.position);
-          copy.chain = name;
-          refuse_if_far(copy, combination);
-        }
+        const std::string operators = name_of(file_.assemblies, combination);
+        for (const std::span<const Site> run : runs)
+          copies_.push_back({static_cast<std::uint64_t>(run.data() - sites_.data()), run.size(),
+                             map, names.of(*run.front().place->chain, combination), operators});
       });
-  }
-
-  // Throws if the combination of operators has moved the copy beyond kFarthest.
-  void refuse_if_far(const Atom& copy, const OperatorCombination& combination) const {
-    const Vec3d& p = copy.position;
-    const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN
-    if (is_near(p.x) && is_near(p.y) && is_near(p.z)) return;
-    throw FileFormatError(
-        fmt::format("{}: assembly {}: operator {} moves an atom to {:g}, {:g}, {:g} Å; coordinates "
-                    "of up to {:g} Å can be meshed",
-                    file_.path, options_.assembly, name_of(file_.assemblies, combination), p.x, p.y,
-                    p.z, kFarthest));
   }
 
   std::size_t index_of(const Site& site) const {
@@ -484,6 +501,7 @@ class Choice {
   const std::vector<ResiduePlace> places_;  // of the residues of all models
   Sites sites_;
   Molecule molecule_;
+  std::vector<ChainCopy> copies_;
   const ElementSymbols symbols_ = element_symbols();
   const ResiduePlace* place_ = nullptr;  // of the atom appended last, as the texts below
   bool has_guesses_ = false;  // some atom in the molecule has an element that was guessed
@@ -493,8 +511,31 @@ class Choice {
 
 }  // namespace
 
-Molecule choose_atoms(ParsedFile&& file, const ReadOptions& options, const RadiusTable& table) {
+UnexpandedMolecule choose_atoms(ParsedFile&& file, const ReadOptions& options,
+                                const RadiusTable& table) {
   return Choice(file, options).run(table);
+}
+
+bool is_far(const Vec3d& position) {
+  const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN
+  return !(is_near(position.x) && is_near(position.y) && is_near(position.z));
+}
+
+std::uint64_t UnexpandedMolecule::atom_count() const { return count_atoms(molecule, copies); }
+
+Molecule expanded(UnexpandedMolecule unexpanded) {
+  Molecule& molecule = unexpanded.molecule;
+  if (unexpanded.copies.empty()) return std::move(molecule);
+  const std::vector<Atom> unit = std::exchange(molecule.atoms, {});
+  make_room(unexpanded.atom_count(), molecule);
+  for (const ChainCopy& copy : unexpanded.copies)
+    for (std::uint64_t i = copy.first; i < copy.first + copy.count; ++i) {
+      Atom& atom = molecule.atoms.emplace_back(unit[i]);
+      atom.position = copy.map(atom.position);
+      atom.chain = copy.chain;
+      refuse_if_far(atom.position, copy, molecule);
+    }
+  return std::move(molecule);
 }
 
 }  // namespace vdwmesh

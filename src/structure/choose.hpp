@@ -6,6 +6,7 @@
 #include "structure/parsed_file.hpp"
 #include "structure/radii.hpp"
 #include "structure/reader.hpp"
+#include "structure/unexpanded.hpp"
 
 namespace vdwmesh {
 
@@ -15,6 +16,8 @@ namespace vdwmesh {
 // if no atom is left, none is to be measured or a group has none, or if an atom has no known
 // radius. Throws FileFormatError for an assembly that cannot be made, and LimitExceeded for one
 // with too many atoms.
-Molecule choose_atoms(ParsedFile&& file, const ReadOptions& options, const RadiusTable& table);
+// The copies of an assembly are counted and listed, and not made.
+UnexpandedMolecule choose_atoms(ParsedFile&& file, const ReadOptions& options,
+                                const RadiusTable& table);
 
 }  // namespace vdwmesh

@@ -1,7 +1,7 @@
 // The reader's pipeline. Each step has its own file:
 //   format (formats.cpp) -> text (text_source.cpp) -> check of the content (formats.cpp)
 //   -> one parser per format (pdb.cpp, mmcif.cpp, binary_cif.cpp, sphere_lists.cpp) -> range check
-//   -> choice of atoms (choose.cpp).
+//   -> choice of atoms (choose.cpp) -> copies of an assembly (expanded(), there too).
 // This file connects the steps. Radii are looked up first, because a mistyped option should be
 // reported before a large file is read.
 #include "structure/reader.hpp"
@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <string_view>
 #include <utility>
 
@@ -20,9 +21,14 @@
 #include "structure/parsed_file.hpp"
 #include "structure/samples.hpp"
 #include "structure/text_source.hpp"
+#include "structure/unexpanded.hpp"
 
 namespace vdwmesh {
 namespace {
+
+bool listed(const std::string& text, std::initializer_list<const char*> texts) {
+  return std::find(texts.begin(), texts.end(), text) != texts.end();
+}
 
 // The built-in radius set of that name, or the table in a file of that name.
 RadiusTable radius_table(const std::string& radii) {
@@ -56,12 +62,12 @@ ParsedFile parse(std::string_view text, StructureFormat format, const std::strin
 
 // Adds a warning if the last line may hold an atom but has no line end. The file may have been cut
 // off there, in the middle of a number: "1.5" could be what is left of "1.53".
-void warn_of_unfinished_line(std::string_view text, ParsedFile& file) {
+void warn_of_unfinished_line(std::string_view text, std::vector<std::string>& warnings) {
   if (text.ends_with('\n') || text.ends_with('\r')) return;
   const std::size_t end = text.find_last_of("\r\n");
   const std::string_view last = trimmed(text.substr(end == std::string_view::npos ? 0 : end + 1));
   if (last.empty() || last[0] == '#' || last.starts_with("END") || last.starts_with("TER")) return;
-  file.warnings.push_back(
+  warnings.push_back(
       "the last line has no line break: the file may have been cut off, and what it says of the "
       "last atom with it");
 }
@@ -70,9 +76,9 @@ void warn_of_unfinished_line(std::string_view text, ParsedFile& file) {
 void check_ranges(const ParsedFile& file) {
   if (file.farthest <= kFarthest && !file.own_radii) return;
   for (const AtomRecord& atom : file.atoms) {
+    if (!is_far(atom.position) && atom.radius <= kFarthest) continue;
     const Vec3d& p = atom.position;
     const double far = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    if (far <= kFarthest && atom.radius <= kFarthest) continue;
     const bool has_rows = file.format.ends_with("cif");
     throw FileFormatError(fmt::format(
         "{}:{}{}{}: {} of {:g} Å; coordinates and radii of up to {:g} Å can be meshed", file.path,
@@ -81,32 +87,76 @@ void check_ranges(const ParsedFile& file) {
   }
 }
 
+std::string name_of(const std::filesystem::path& path) {
+  return path == "-" ? "standard input" : path.string();
+}
+
+// The most bytes of text that are read.
+std::uint64_t text_limit(const ReadOptions& options) {
+  return std::min(kMaxTextBytes, options.memory_limit / kReadingFactor);
+}
+
 // `text_within(limit)` returns the text, which has at most `limit` bytes.
 template <class TextWithin>
 ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
                       const ReadOptions& options, const TextWithin& text_within) {
-  const std::uint64_t limit = std::min(kMaxTextBytes, options.memory_limit / kReadingFactor);
+  const std::uint64_t limit = text_limit(options);
   Text bytes = text_within(limit);
-  const std::string name = path == "-" ? "standard input" : path.string();
+  const std::string name = name_of(path);
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   advance(options.monitor, 0);
   ParsedFile file = parse(text, format, name, limit, options.monitor);
   advance(options.monitor, 0);
   check_ranges(file);
-  if (format != StructureFormat::bcif) warn_of_unfinished_line(text, file);
+  if (format != StructureFormat::bcif) warn_of_unfinished_line(text, file.warnings);
   return file;
+}
+
+StructureFormat format_of(const std::filesystem::path& path, const ReadOptions& options) {
+  return options.format == StructureFormat::by_extension ? format_of_file(path) : options.format;
+}
+
+// Whether the options keep every sphere of a list and mark none. Spheres have no names, chains,
+// elements or labels, so the options that drop atoms by these have no effect.
+bool keep_all_spheres(const ReadOptions& options) {
+  return options.select.empty() && options.measure.empty() && options.groups.empty() &&
+         listed(options.model, {"first", "all", "1"}) && options.assembly == "asymmetric" &&
+         listed(options.altloc, {"highest", "all"});
 }
 
 }  // namespace
 
-Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options) {
+UnexpandedMolecule read_unexpanded(const std::filesystem::path& path, const ReadOptions& options) {
   const RadiusTable table = radius_table(options.radii);
   const auto text_within = [&](std::uint64_t limit) {
     return read_text(path, limit, options.monitor);
   };
-  const StructureFormat format =
-      options.format == StructureFormat::by_extension ? format_of_file(path) : options.format;
-  return choose_atoms(parse_file(path, format, options, text_within), options, table);
+  return choose_atoms(parse_file(path, format_of(path, options), options, text_within), options,
+                      table);
+}
+
+std::optional<SphereText> read_sphere_text(const std::filesystem::path& path,
+                                           const ReadOptions& options) {
+  const RadiusTable table = radius_table(options.radii);  // throws if there is none of that name
+  if (format_of(path, options) != StructureFormat::xyzr || !keep_all_spheres(options)) return {};
+  SphereText spheres;
+  spheres.bytes = read_text(path, text_limit(options), options.monitor);
+  const std::string name = name_of(path);
+  const std::string_view whole(spheres.bytes.data(), spheres.bytes.size());
+  const std::string_view text = checked_text(whole, StructureFormat::xyzr, name);
+  spheres.first = static_cast<std::size_t>(text.data() - whole.data());
+  Molecule& molecule = spheres.molecule;
+  molecule.path = name;
+  molecule.format = "xyzr";
+  molecule.model = options.model == "all" ? "all" : "1";
+  molecule.assembly = options.assembly;
+  molecule.radius_set = "file";
+  warn_of_unfinished_line(text, molecule.warnings);
+  return spheres;
+}
+
+Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options) {
+  return expanded(read_unexpanded(path, options));
 }
 
 Molecule read_structure(const std::filesystem::path& name, std::string_view bytes,
@@ -117,7 +167,7 @@ Molecule read_structure(const std::filesystem::path& name, std::string_view byte
   };
   const StructureFormat format =
       options.format == StructureFormat::by_extension ? format_of_name(name) : options.format;
-  return choose_atoms(parse_file(name, format, options, text_within), options, table);
+  return expanded(choose_atoms(parse_file(name, format, options, text_within), options, table));
 }
 
 Molecule read_sample(const std::string& name, const ReadOptions& options) {
@@ -126,7 +176,7 @@ Molecule read_sample(const std::string& name, const ReadOptions& options) {
     throw InvalidInput(
         fmt::format("there is no sample {}; there are ubiquitin and bpti", in_quotes(name)));
   const RadiusTable table = radius_table(options.radii);
-  return choose_atoms(parse_pdb(text, "sample " + name), options, table);
+  return expanded(choose_atoms(parse_pdb(text, "sample " + name), options, table));
 }
 
 }  // namespace vdwmesh

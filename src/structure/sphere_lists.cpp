@@ -26,6 +26,7 @@
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
 #include "structure/pdb_records.hpp"
+#include "structure/unexpanded.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -250,16 +251,9 @@ struct Piece {
   static constexpr std::size_t kNoLine = ~std::size_t{0};
 };
 
-// Cuts the text behind line feeds. A text without them is one piece.
 std::vector<Piece> cut(std::string_view text) {
-  constexpr std::size_t kLength = std::size_t{1} << 18;  // bytes
   std::vector<Piece> pieces;
-  while (!text.empty()) {
-    const std::size_t feed = text.find('\n', std::min(kLength, text.size() - 1));
-    const std::size_t length = feed == text.npos ? text.size() : feed + 1;
-    pieces.push_back({text.substr(0, length)});
-    text.remove_prefix(length);
-  }
+  for (const std::string_view piece : pieces_of_spheres(text)) pieces.push_back({piece});
   return pieces;
 }
 
@@ -357,6 +351,36 @@ void check_first(const Piece& piece, std::string_view text, const std::string& p
 }
 
 }  // namespace
+
+// Cuts the text behind line feeds. A text without them is one piece.
+std::vector<std::string_view> pieces_of_spheres(std::string_view text) {
+  constexpr std::size_t kLength = std::size_t{1} << 18;  // bytes
+  std::vector<std::string_view> pieces;
+  while (!text.empty()) {
+    const std::size_t feed = text.find('\n', std::min(kLength, text.size() - 1));
+    const std::size_t length = feed == text.npos ? text.size() : feed + 1;
+    pieces.push_back(text.substr(0, length));
+    text.remove_prefix(length);
+  }
+  return pieces;
+}
+
+std::uint64_t count_spheres(std::string_view piece) {
+  std::uint64_t spheres = 0;
+  for_each_sphere(piece, [&spheres](std::size_t, std::string_view) { ++spheres; });
+  return spheres;
+}
+
+bool read_spheres(std::string_view piece, const std::function<void(const Vec3d&, double)>& put) {
+  bool is_sound = true;
+  for_each_sphere(piece, [&](std::size_t, std::string_view line) {
+    AtomRecord record;
+    is_sound = is_sound && take_sphere(line, record) && record.radius > 0 &&
+               record.radius <= kFarthest && !is_far(record.position);
+    if (is_sound) put(record.position, record.radius);
+  });
+  return is_sound;
+}
 
 ParsedFile parse_pqr(std::string_view text, const std::string& path) {
   Builder builder(path, "pqr");

@@ -101,8 +101,8 @@ class RanksTest(ProgramTest):
 Made = collections.namedtuple("Made", "errors digest document report")
 
 
-class Meshes(RanksTest):
-    """The file is that of the plain program, byte by byte, and so is the report but for times, ranks and memory."""
+class MeshTest(RanksTest):
+    """Compares meshes and their reports with those of the plain program."""
 
     def mesh(self, start, *arguments):
         with tempfile.TemporaryDirectory(dir=self.folder) as folder:
@@ -136,6 +136,10 @@ class Meshes(RanksTest):
                 self.assertEqual(ours.document, expected.document)
                 self.assertEqual(ours.errors, expected.errors)
         return plain
+
+
+class Meshes(MeshTest):
+    """The file is that of the plain program, byte by byte, and so is the report but for times, ranks and memory."""
 
     def test_any_number_of_ranks(self):
         self.assert_same_files((UBIQUITIN, (), (1, 2, 3, 5, 7)), (UBIQUITIN, ("--field", "blinn"), (2, 5)))
@@ -402,6 +406,103 @@ class ExactUnions(RanksTest):
         self.run_ranks_ok(3, "exact", UBIQUITIN, "--json", self.folder / "file.json")
         text = self.run_ranks_ok(3, "exact", UBIQUITIN, "--json", "-").stdout
         self.assertEqual(text.count('"schema"'), 1)
+
+
+# Two copies of all chains, the second one turned about z and shifted.
+TWO_COPIES = """REMARK 350 BIOMOLECULE: 1
+REMARK 350 APPLY THE FOLLOWING TO CHAINS: A
+REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000
+REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000
+REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000
+REMARK 350   BIOMT1   2  0.000000 -1.000000  0.000000       %s
+REMARK 350   BIOMT2   2  1.000000  0.000000  0.000000        3.21000
+REMARK 350   BIOMT3   2  0.000000  0.000000  1.000000        1.50000
+"""
+
+
+class Inputs(MeshTest):
+    """Spheres that ranks make of lines of text, and of an assembly's operators, are those of the plain program. What is
+    not as it should be ends as it does there."""
+
+    def exact(self, start, *arguments):
+        with tempfile.TemporaryDirectory(dir=self.folder) as folder:
+            report = Path(folder) / "r.json"
+            result = start("exact", *arguments, "--topology", "counts", "--json", report)
+            document = report.read_text().replace(folder, "")
+        document = re.sub(r'("timing": \{.*?\})\s*\}', "", document, flags=re.DOTALL)
+        return re.sub(r"(?m)^(Time|CPU) \(s\).*$", "", result.stdout), document, result.stderr
+
+    def assert_same_exact(self, path, *options, ranks):
+        expected = self.exact(self.run_ok, path, "--backend", "cpu", *options)
+        for count in ranks:
+            with self.subTest(path=str(path), options=options, ranks=count):
+                made = self.exact(functools.partial(self.run_ranks_ok, count), path, *options)
+                for ours, theirs in zip(made, expected):
+                    self.assertEqual(ours, theirs)
+
+    def two_copies(self, shift):
+        return self.file("two.pdb", TWO_COPIES % f"{shift:10.5f}" + UBIQUITIN.read_text())
+
+    def test_assemblies(self):
+        two, capsid = self.two_copies(11.5), need_shared("molecules/special/1F2N.pdb")
+        chains = need_shared("molecules/thesis/1HH0.cif")
+        options = ("--assembly", "1")
+        self.assert_same_files((two, options, (1, 2, 3, 5, 7)), (capsid, (*options, "--spacing", "4"), (3,)),
+                               (chains, (*options, "--waters"), (2,)),
+                               (two, (*options, "--mesher", "exact", "--relative-edge", "0.9"), (2,)))  # fmt: skip
+        self.assert_same_exact(two, *options, ranks=(1, 2, 3, 5, 7))
+        self.assert_same_exact(capsid, *options, "--probe", "1.4", ranks=(3,))
+        self.assert_same_exact(two, *options, "--radii", "protor", ranks=(2,))
+
+    def test_an_assembly_too_far_away(self):
+        far, plain = self.two_copies(2e6 - 1), ("--assembly", "1", "--topology", "counts")
+        expected = run("exact", far, *plain)
+        self.assertEqual(expected.returncode, BAD_INPUT)
+        self.assertIn("operator 2 moves an atom", expected.stderr)
+        made = run_ranks(3, "exact", far, *plain)
+        self.assertEqual((made.returncode, made.stderr), (BAD_INPUT, expected.stderr.replace("vdwmesh:", "vdwmesh-mpi:")))
+
+    def many_lines(self, name, *, at=19000, line="0 0 0 0", end="\n", last="\n", head=""):
+        """Some MB of spheres on a grid, which are several pieces, and a line of another kind among them."""
+        lines = [f"{5.1 * (i % 41):.4f} {5.3 * (i // 41 % 37):.4f} {2.3 * (i // 1517):.4f} 1.{i % 7}000" for i in range(20000)]
+        lines[at] = line
+        path = self.folder / name
+        path.write_bytes((head + end.join(lines) + last).encode())
+        return path
+
+    def test_lines_of_spheres(self):
+        texts = {
+            "blank.xyzr": {"line": " \t "},
+            "comment.xyzr": {"line": "1 2 3 1.5 # a comment", "head": "# x y z r\n\n"},
+            "zero.xyzr": {"line": "0 0 0 0"},
+            "windows.xyzr": {"line": "", "end": "\r\n"},
+            "old.xyzr": {"line": "", "end": "\r"},
+            "cut.xyzr": {"line": "", "last": ""},
+            "mark.xyzr": {"line": "", "head": "\ufeff"},
+            "tail.xyzr": {"line": "7 7 7 1.5 and more"},
+        }
+        for name, text in texts.items():
+            self.assert_same_exact(self.many_lines(name, **text), ranks=(2,))
+        path = self.many_lines("all.xyzr", line="")
+        self.assert_same_exact(path, ranks=(1, 2, 3, 5, 7))
+        self.assert_same_exact(path, "--model", "all", "--waters", "--probe", "0.3", ranks=(3,))
+        self.assert_same_files((path, ("--spacing", "1.3"), (1, 2, 3, 5, 7)),
+                               (self.file("four.xyzr", FAR_APART), ("--probe", "0.4"), (5,)))  # fmt: skip
+
+    def test_lines_that_are_no_spheres(self):
+        cases = [(self.many_lines("word.xyzr", line="1 2 x 1"), ()), (self.many_lines("few.xyzr", line="1 2 3"), ()),
+                 (self.many_lines("minus.xyzr", line="1 2 3 -1"), ()), (self.many_lines("far.xyzr", line="1 2 1e7 1"), ()),
+                 (self.many_lines("large.xyzr", line="1 2 3 2e6"), ()), (self.file("none.xyzr", "# none\n"), ()),
+                 (self.many_lines("probe.xyzr", line=""), ("--probe=-1.35",)),
+                 (self.many_lines("all.xyzr", line=""), ("--select", "A/1")),
+                 (self.many_lines("all.xyzr", line=""), ("--model", "2"))]  # fmt: skip
+        for path, options in cases:
+            with self.subTest(path=path.name, options=options):
+                expected = run("exact", path, *options)
+                self.assertNotEqual(expected.returncode, DONE)
+                made = run_ranks(3, "exact", path, *options)
+                self.assertEqual(made.returncode, expected.returncode)
+                self.assertEqual(made.stderr, expected.stderr.replace("vdwmesh:", "vdwmesh-mpi:"))
 
 
 class Faults(RanksTest):

@@ -145,6 +145,18 @@ void BrickMesher::count(const CandidateSearch& candidates, const KeyRange& own) 
   stats_.field_seconds += seconds_since(start);
 }
 
+std::span<const ActiveBrick> BrickMesher::counted(const KeyRange& range) const {
+  const std::size_t begin = first_at(counted_.bricks, range.begin),
+                    end = first_at(counted_.bricks, range.end);
+  return std::span(counted_.bricks).subspan(begin, end - begin);
+}
+
+void BrickMesher::set_halo(std::span<const ActiveBrick> bricks) {
+  counted_.bricks.resize(counted_.end);
+  counted_.bricks.insert(counted_.bricks.end(), bricks.begin(), bricks.end());
+  sum_up(counted_);
+}
+
 MeshSize BrickMesher::size() const {
   const BrickSums &from = counted_.before[counted_.begin], &to = counted_.before[counted_.end];
   return {to.vertices - from.vertices, to.triangles - from.triangles};

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -36,6 +37,11 @@ class BrickMesher {
   // Counts and numbers the candidates: the bricks of `own` and of its halo (brick_search.hpp) that
   // may hold surface. Only the bricks of `own` will be emitted. The default is all bricks.
   void count(const CandidateSearch& candidates, const KeyRange& own = {});
+
+  // What was counted in the bricks of a range.
+  std::span<const ActiveBrick> counted(const KeyRange& range) const;
+  // Adds a halo behind the range that count() was given and has counted alone.
+  void set_halo(std::span<const ActiveBrick> bricks);
 
   // The vertices and triangles of the bricks in the range that count() was given.
   MeshSize size() const;

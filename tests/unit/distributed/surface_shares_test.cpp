@@ -170,19 +170,20 @@ TEST(CutBricks, SharesOfAColumnAreEqual) {
   }
 }
 
-TEST(SpheresNearRuns, OnlyThoseNearTheRun) {
+// The bricks of a run reach from its first layer to that of the run behind it, and if the rank
+// counts its halo, one more; layer k holds the nodes 8 k - 1 to 8 k + 7.
+void expect_only_near(HaloCounts halo) {
   const SphereSet spheres = column_of(50);
   const FieldModel model = union_on(spheres, 0.5);
   const std::vector<std::uint64_t> begins{0, brick_key({0, 0, 60}), brick_key({0, 0, 61}),
                                           kNoBrickKey};
   const auto near = joined_blocks(
-      4, [&](std::size_t block) { return spheres_near_runs(spheres, model, block, begins); });
+      4, [&](std::size_t block) { return spheres_near_runs(spheres, model, block, begins, halo); });
   for (const std::vector<SphereId>& ids : near) EXPECT_TRUE(std::ranges::is_sorted(ids));
   EXPECT_LE(near[1].size(), 4u);
   EXPECT_GE(near[1].size(), 1u);
   EXPECT_TRUE(near[3].empty());
-  // The bricks of a run reach from its first layer to the layer behind its last one and one more;
-  // layer k holds the nodes 8 k - 1 to 8 k + 7.
+  const int layers_of_halo = halo == HaloCounts::own ? 1 : 0;
   const auto is_near = [&](double z, std::int32_t first, std::int32_t last) {
     const double lower = model.grid.origin.z + 0.5 * (8 * first - 1),
                  upper = model.grid.origin.z + 0.5 * (8 * last + 7);
@@ -191,12 +192,15 @@ TEST(SpheresNearRuns, OnlyThoseNearTheRun) {
   for (SphereId id = 0; id < spheres.size(); ++id) {
     const double z = spheres[id].center.z;
     const auto found = [&](std::size_t run) { return std::ranges::binary_search(near[run], id); };
-    EXPECT_TRUE(found(0) || !is_near(z, 0, 60)) << id;
-    EXPECT_TRUE(found(1) || !is_near(z, 60, 61)) << id;
+    EXPECT_TRUE(found(0) || !is_near(z, 0, 59 + layers_of_halo)) << id;
+    EXPECT_TRUE(found(1) || !is_near(z, 60, 60 + layers_of_halo)) << id;
     EXPECT_TRUE(found(2) || !is_near(z, 61, 1000)) << id;
     EXPECT_TRUE(found(0) || found(1) || found(2)) << id;
   }
 }
+
+TEST(SpheresNearRuns, OnlyThoseNearTheRun) { expect_only_near(HaloCounts::own); }
+TEST(SpheresNearRuns, OnlyThoseNearTheRunAlone) { expect_only_near(HaloCounts::given); }
 
 }  // namespace
 }  // namespace vdwmesh

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "structure/temp_file.hpp"
+#include "structure/unexpanded.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -123,6 +124,38 @@ TEST_P(LargeXyzr, NamesTheFirstFaultyLine) {
   for (const int line : {0, 31'234, kLines - 2})
     EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr", text(line) + "also at fault\n"),
                 HasSubstr(fmt::format("a.xyzr:{}: z is 'three', not a finite number", line + 1)));
+}
+
+// By pieces, as processes read it, each of which knows the numbers of spheres of all.
+TEST_P(LargeXyzr, PiecesHaveTheSpheresOfTheFile) {
+  const std::string whole = text();
+  const std::vector<std::string_view> pieces = pieces_of_spheres(whole);
+  EXPECT_EQ(pieces.size() > 1, std::string(GetParam()) != "\r");
+  std::size_t next = 0, counted = 0;
+  for (const std::string_view piece : pieces) {
+    counted += count_spheres(piece);
+    EXPECT_TRUE(read_spheres(piece, [&next](const Vec3d& center, double radius) {
+      const auto line = static_cast<double>(next / 9 * 10 + next % 9);
+      EXPECT_EQ(center, (Vec3d{line, line / 8, -line}));
+      EXPECT_EQ(radius, 1 + static_cast<int>(line) % 3);
+      ++next;
+    }));
+    EXPECT_EQ(next, counted);
+  }
+  EXPECT_EQ(next, static_cast<std::size_t>(kLines / 10 * 9));
+}
+
+// What the reader refuses or leaves out.
+TEST(SphereText, LinesThatAreNoSpheresAreToldFromOthers) {
+  const auto is_sound = [](const char* line) {
+    return read_spheres(std::string("0 0 0 1\n") + line + "\n0 0 1 1\n",
+                        [](const Vec3d&, double) {});
+  };
+  for (const char* line : {"", "# 1", "1 2 3 4", "1 2 3 4 five", "-1e6 1e6 0 1e6"})
+    EXPECT_TRUE(is_sound(line)) << line;
+  for (const char* line : {"1 2 3", "1 2 x 4", "1 2 3 -1", "1 2 3 0", "1 2 1.1e6 1", "1 2 3 1.1e6",
+                           "nan 2 3 4", "1 2 3 inf"})
+    EXPECT_FALSE(is_sound(line)) << line;
 }
 
 INSTANTIATE_TEST_SUITE_P(LineEnds, LargeXyzr, ::testing::Values("\n", "\r\n", "\r"));

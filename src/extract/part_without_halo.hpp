@@ -1,0 +1,29 @@
+// A part of a surface on the CPU that counts its own bricks alone. Those behind its range, to which
+// its triangles refer, belong to other parts, which have counted them already.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "extract/bricks/brick_numbering.hpp"
+#include "extract/extractor.hpp"
+
+namespace vdwmesh {
+
+class PartWithoutHalo : public SurfacePart {
+ public:
+  // The bricks with surface in the range and in `wanted`, for a part of which they are the halo.
+  // They are valid until set_halo() is called.
+  virtual std::span<const ActiveBrick> counted(const KeyRange& wanted) const = 0;
+
+  // Takes the bricks behind the range that are in its halo (with_halo()), by rising key. Must be
+  // called before halo() and emit().
+  virtual void set_halo(std::span<const ActiveBrick> bricks) = 0;
+};
+
+// Extractor::count() on the CPU without the halo: `spheres` may lack those that are near the halo
+// only. There are no half-edges, whatever the options say. Throws as that function does.
+std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres, const KeyRange& range,
+                                                    const ExtractOptions& options);
+
+}  // namespace vdwmesh
