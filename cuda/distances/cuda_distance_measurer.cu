@@ -56,9 +56,12 @@ class CudaDistanceMeasurer final : public DistanceMeasurer {
     const DeviceSurface surface(*exposed, plan.world, stream);
     const DistanceStatistics of_mesh =
         mesh_to_surface(soup->view(), surface.view(), options, stream);
+    // Most points of the surface are nearer to the mesh than four times the mean of the mesh's
+    // distances.
+    const double reach = 4 * of_mesh.mean;
     const DistanceStatistics of_surface =
         surface_to_mesh(surface.patches(), {soup->view(), triangles->view()}, plan.surface_density,
-                        options, stream);
+                        reach, options, stream);
     return {both_ways(of_mesh, of_surface, options.seed), {}};
   }
 

@@ -45,6 +45,8 @@ class DeviceStatistics {
   void add(const double* distances, std::uint64_t count, const Blocks& blocks);
   // Adds `count` distances for the maximum alone; those of `samples` points, the others are 0.
   void add_extremes(const double* distances, std::uint64_t count, std::uint64_t samples);
+  // The largest distance so far (Å), without those that were added for the maximum alone.
+  double largest() const;
   // Waits for the device.
   DistanceStatistics result();
 

@@ -9,21 +9,17 @@
 #include "core/monitor.hpp"
 #include "cuda/distances/device_patches.cuh"
 #include "cuda/distances/device_tree.cuh"
+#include "cuda/distances/nearest_triangles.cuh"
 #include "cuda/memory/device_memory.cuh"
 
 namespace vdwmesh::distance {
 
-// A mesh and the search tree over its triangles.
-struct SearchedMesh {
-  SoupView mesh;
-  BoxTreeView tree;
-};
-
 DistanceStatistics mesh_to_surface(const SoupView& mesh, const PatchTreeView& surface,
                                    const DistanceOptions& options, const Stream& stream);
 
+// `reach` is the guess of find_nearest_triangles().
 DistanceStatistics surface_to_mesh(const DevicePatches& patches, const SearchedMesh& mesh,
-                                   double density, const DistanceOptions& options,
+                                   double density, double reach, const DistanceOptions& options,
                                    const Stream& stream);
 
 // Writes the signed distance of each point to `found`, Å. Both are in memory of the host, and are

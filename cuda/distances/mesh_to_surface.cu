@@ -5,6 +5,11 @@
 // both were done at once, every warp would wait for its few points of the second kind. So a first
 // kernel searches for the ball of least gap of all points, and a second one takes the points that
 // are left, packed together.
+//
+// The first kernel lists the balls within a reach of the points of a warp, which are near each
+// other, and each lane measures them. If a ball has a gap below the reach, the ball of least gap is
+// among them, because its box is no farther than its gap. Other points are searched for in the
+// tree.
 #include <thrust/iterator/counting_iterator.h>
 
 #include <cub/device/device_reduce.cuh>
@@ -14,6 +19,7 @@
 
 #include "cuda/distances/device_area.cuh"
 #include "cuda/distances/device_statistics.cuh"
+#include "cuda/distances/group_list.cuh"
 #include "cuda/distances/measure_distances.cuh"
 #include "cuda/distances/warp_search.cuh"
 #include "cuda/memory/cub_calls.cuh"
@@ -59,6 +65,12 @@ struct GivenPoints {
   }
 };
 
+// What a search may take for granted of points.
+struct PointHints {
+  double reach;       // Å, above 0: a guess; most points should have a gap below it
+  double floor = -1;  // Å²: of a point with a squared distance up to this, 0 may be told instead
+};
+
 // What is known of the points of a launch.
 struct FoundGaps {
   double* gap;            // Å, and in the end the signed distance; 0 for points that are not there
@@ -87,59 +99,103 @@ __device__ std::uint32_t load_balls(const PatchTreeView& surface, std::uint32_t 
   return patch;
 }
 
-// Does what find_least_gap() does, for the points of all lanes together; `is_there` says which
-// lanes have one.
-__device__ LeastGap find_least_gaps(const PatchTreeView& surface, const Vec3d& p, bool is_there,
-                                    WarpStack& stack, LeafBalls& leaf) {
+// The memory of a warp, shared: 2.4 KB.
+struct GapMemory {
+  GroupRoom room;
+  WarpStack stack;
+  LeafBalls leaf;
+};
+
+// Lowers `found` to the gap of a ball, as find_least_gap() does.
+__device__ void lower(const PatchTreeView& surface, std::uint32_t patch, const Vec3d& p,
+                      LeastGap& found) {
+  const Sphere ball = surface.balls[patch];
+  const Vec3d to = p - ball.center;
+  const double square = arcs::inner(to, to), reach = ball.radius + found.gap;
+  if (!(reach > 0) || square > reach * reach * (1 + kSquareMargin)) return;
+  const double gap = sqrt(square) - ball.radius;
+  if (gap < found.gap) found = {gap, patch};
+}
+
+// Finds the balls of least gap of the lanes that are `open`, if these gaps are below `reach`, and
+// returns the other lanes. A ball whose gap is below the reach has a box so near, so it is listed.
+__device__ unsigned find_gaps_within(const PatchTreeView& surface, const Vec3d& p, double reach,
+                                     unsigned open, GroupRoom& room, LeastGap& found) {
+  const unsigned lane = threadIdx.x % kWarp;
+  GroupList list(room);
+  const BoxQuery query = surface.tree.query(p);
+  const float bound = surface.tree.bound_of(reach * reach);
+  found = {reach, 0};
+  for_each_range(open, [&](unsigned lanes) {
+    const bool taken = lanes >> lane & 1;
+    const unsigned count = list.fill(surface.tree, query, taken, bound, 0);
+    if (count == GroupList::kTooMany) return false;
+    for (unsigned i = 0; taken && i < count; ++i)
+      lower(surface, surface.tree.order[list[i]], p, found);
+    return true;
+  });
+  return __ballot_sync(kAllLanes, (open >> lane & 1) && !(found.gap < reach));
+}
+
+// Does what find_least_gap() does, for the points of the lanes that are `open` together.
+__device__ void find_least_gaps(const PatchTreeView& surface, const Vec3d& p, unsigned open,
+                                GapMemory& memory, LeastGap& found) {
+  const bool taken = open >> threadIdx.x % kWarp & 1;
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  LeastGap found{kFar, 0};
-  double bound = is_there ? kFar : -1;
+  if (taken) found = {kFar, 0};
+  double bound = taken ? kFar : -1;
   const auto visit = [&](std::uint32_t index, std::uint32_t near, double& least) {
     std::uint32_t wanted = __reduce_or_sync(kAllLanes, near);
-    const std::uint32_t patches = load_balls(surface, index, wanted, leaf);
+    const std::uint32_t patches = load_balls(surface, index, wanted, memory.leaf);
     for (; wanted != 0; wanted &= wanted - 1) {
       const int child = lowest_bit(wanted);
       const std::uint32_t patch = __shfl_sync(kAllLanes, patches, 4 * child);
-      const double(&row)[4] = leaf.rows[child];
+      const double(&row)[4] = memory.leaf.rows[child];
       const double gap = gap_of({{row[0], row[1], row[2]}, row[3]}, p);
       if (!(near >> child & 1) || !(gap < found.gap)) continue;
       found = {gap, patch};
       least = bound_of_gap(gap);
     }
   };
-  WarpSearch(surface.tree, stack).visit_leaves(surface.tree.query(p), bound, visit);
-  return found;
+  WarpSearch(surface.tree, memory.stack).visit_leaves(surface.tree.query(p), bound, visit);
 }
 
 // A thread for each point of [first, first + count); the points of a warp are searched for
-// together. Static shared memory: 1.4 KB for each warp.
+// together. Static shared memory: 2.4 KB for each warp.
 template <class Points>
 __global__ void search_gaps(PatchTreeView surface, Points points, std::uint64_t first,
-                            std::uint64_t count, FoundGaps found) {
-  __shared__ WarpStack stacks[kThreads / kWarp];
-  __shared__ LeafBalls leaves[kThreads / kWarp];
+                            std::uint64_t count, double reach, FoundGaps found) {
+  __shared__ GapMemory memories[kThreads / kWarp];
   const std::uint64_t i = thread_index();
   if (i / kWarp * kWarp >= count) return;  // the whole warp
-  const unsigned warp = threadIdx.x / kWarp;
+  GapMemory& memory = memories[threadIdx.x / kWarp];
   Vec3d p = surface.tree.center;
   const bool is_there = i < count && points.find(first + i, p);
-  const LeastGap nearest = find_least_gaps(surface, p, is_there, stacks[warp], leaves[warp]);
+  LeastGap nearest;
+  unsigned open = __ballot_sync(kAllLanes, is_there);
+  open = find_gaps_within(surface, p, reach, open, memory.room, nearest);
+  if (open != 0) find_least_gaps(surface, p, open, memory, nearest);
   if (i >= count) return;
   found.gap[i] = is_there ? nearest.gap : 0;
   found.patch[i] = nearest.patch;
   found.is_open[i] = is_there && !is_settled(surface, p, nearest);
 }
 
-// A thread for each of the points that are open, given by their indices in the launch.
+// A thread for each of the points that are open, given by their indices in the launch. The search
+// for one ends as soon as a patch is as near as its gap, or near enough not to matter.
 template <class Points>
 __global__ void search_patches(PatchTreeView surface, Points points, std::uint64_t first,
-                               const std::uint32_t* open, std::uint64_t count, FoundGaps found) {
+                               const std::uint32_t* open, std::uint64_t count, double floor,
+                               FoundGaps found) {
   const std::uint64_t k = thread_index();
   if (k >= count) return;
   const std::uint32_t i = open[k];
   Vec3d p;
   points.find(first + i, p);
-  found.gap[i] = unsettled_distance(surface, p, {found.gap[i], found.patch[i]});
+  const double square = found.gap[i] * found.gap[i];
+  const double squared =
+      nearest_exposed(surface, p, found.patch[i], square > floor ? square : floor);
+  found.gap[i] = squared > floor ? -sqrt(squared) : 0;
 }
 
 // A thread for each corner of a triangle. Several threads may write the same value.
@@ -163,9 +219,9 @@ class LaunchPoints {
   // Measures the points [first, first + count).
   template <class Points>
   void measure(const PatchTreeView& surface, const Points& points, std::uint64_t first,
-               std::uint64_t count, const Stream& stream) const {
+               std::uint64_t count, const PointHints& hints, const Stream& stream) const {
     launch("search_gaps", search_gaps<Points>, over(count, kThreads), stream, surface, points,
-           first, count, found());
+           first, count, hints.reach, found());
     run_cub("open points", stream, [&](void* scratch, std::size_t& bytes) {
       return cub::DeviceSelect::Flagged(
           scratch, bytes, thrust::make_counting_iterator(std::uint32_t{0}), is_open_.data(),
@@ -173,7 +229,7 @@ class LaunchPoints {
     });
     const std::uint64_t open = fetch(open_count_.data(), stream);
     launch("search_patches", search_patches<Points>, over(open, kThreads), stream, surface, points,
-           first, open_.data(), open, found());
+           first, open_.data(), open, hints.floor, found());
   }
 
  private:
@@ -187,11 +243,12 @@ class LaunchPoints {
 // launch.
 template <class Points, class Take>
 void measure_all(const PatchTreeView& surface, const Points& points, std::uint64_t count,
-                 Monitor* monitor, const Stream& stream, const Take& take) {
+                 const PointHints& hints, Monitor* monitor, const Stream& stream,
+                 const Take& take) {
   const LaunchPoints memory(std::min(count, kDistancesPerLaunch), stream);
   for (std::uint64_t first = 0; first < count; first += kDistancesPerLaunch) {
     const std::uint64_t here = std::min(kDistancesPerLaunch, count - first);
-    memory.measure(surface, points, first, here, stream);
+    memory.measure(surface, points, first, here, hints, stream);
     take(first, here, memory.distances());
     advance(monitor, 1);
   }
@@ -230,18 +287,25 @@ DistanceStatistics mesh_to_surface(const SoupView& mesh, const PatchTreeView& su
       monitor, "distances of the mesh (CUDA)",
       launches(strata.samples) + launches(mesh.triangle_count) + launches(mesh.vertex_count));
   DeviceStatistics statistics(stream);
-  measure_all(surface, SamplePoints{mesh, area.view(), strata}, strata.samples, monitor, stream,
-              [&](std::uint64_t, std::uint64_t count, const double* distances) {
+  // A mesh that follows the surface is mostly nearer to it than its triangles are long.
+  const double reach = std::sqrt(area.total() / mesh.triangle_count);
+  measure_all(surface, SamplePoints{mesh, area.view(), strata}, strata.samples, {.reach = reach},
+              monitor, stream, [&](std::uint64_t, std::uint64_t count, const double* distances) {
                 statistics.add(distances, count,
                                EvenBlocks{count, static_cast<std::uint32_t>(kDistancesPerBlock)});
               });
+  // Vertices and centres matter if they are farther than all samples. The root of the square of a
+  // double is the double, so no distance above `largest` has a square up to the floor.
+  const double largest = statistics.largest();
+  const PointHints hints{reach, largest * largest};
   const auto add_extremes = [&](std::uint64_t, std::uint64_t count, const double* distances) {
     statistics.add_extremes(distances, count, 0);
   };
-  measure_all(surface, CenterPoints{mesh}, mesh.triangle_count, monitor, stream, add_extremes);
-  const VertexMarks vertices = mark_vertices(mesh, stream);
-  measure_all(surface, UsedVertices{mesh, vertices.used.data()}, mesh.vertex_count, monitor, stream,
+  measure_all(surface, CenterPoints{mesh}, mesh.triangle_count, hints, monitor, stream,
               add_extremes);
+  const VertexMarks vertices = mark_vertices(mesh, stream);
+  measure_all(surface, UsedVertices{mesh, vertices.used.data()}, mesh.vertex_count, hints, monitor,
+              stream, add_extremes);
   statistics.add_extremes(nullptr, 0, mesh.triangle_count + vertices.count);
   return statistics.result();
 }
@@ -251,7 +315,7 @@ void points_to_surface(std::span<const Vec3d> points, const PatchTreeView& surfa
   const DeviceArray<Vec3d> copy(points.size(), stream);
   upload_parts({{copy.data(), points.data(), copy.bytes()}}, stream);
   begin_stage(monitor, "signed distances (CUDA)", launches(points.size()));
-  measure_all(surface, GivenPoints{copy.data()}, points.size(), monitor, stream,
+  measure_all(surface, GivenPoints{copy.data()}, points.size(), {.reach = 0.5}, monitor, stream,
               [&](std::uint64_t first, std::uint64_t count, const double* distances) {
                 download_parts({{found + first, distances, count * sizeof(double)}}, stream);
               });

@@ -1,16 +1,14 @@
-// From the exposed surface to a mesh: a warp for each patch takes its samples, and warps find the
-// triangles nearest to 32 consecutive ones.
+// From the exposed surface to a mesh: a warp for each patch takes its samples, and
+// find_nearest_triangles() measures them.
 //
 // Samples are counted first, patch by patch, and prefix sums of the counts are the places at which
 // a second pass writes them, in the order of the host: along the walk through the lattice of a
 // sphere, patch after patch. Both passes run the same code.
-#include <limits>
 #include <vector>
 
-#include "analysis/distances_triangle.hpp"
 #include "cuda/distances/device_statistics.cuh"
 #include "cuda/distances/measure_distances.cuh"
-#include "cuda/distances/warp_search.cuh"
+#include "cuda/distances/nearest_triangles.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/warp.cuh"
@@ -134,51 +132,6 @@ __global__ void emit_samples(SampledPatches all, SampleCounts first, PatchRange 
   append_border(all.patches[i], sqrt(all.density), random, border);
 }
 
-// The corners of the triangles of a node of level 0, in shared memory.
-struct LeafCorners {
-  Vec3d corners[BoxNode::kWidth][3];
-};
-
-// Loads the corners of the children `wanted`, a bit for each, by a lane for each corner.
-__device__ void load_corners(const SearchedMesh& searched, std::uint32_t index,
-                             std::uint32_t wanted, LeafCorners& leaf) {
-  const unsigned child = threadIdx.x % kWarp / 3, corner = threadIdx.x % kWarp % 3;
-  __syncwarp();  // the leaf before has been read
-  if (child < BoxNode::kWidth && (wanted >> child & 1)) {
-    const std::uint64_t t = searched.tree.order[BoxNode::kWidth * index + child];
-    leaf.corners[child][corner] = searched.mesh.positions[searched.mesh.vertices[3 * t + corner]];
-  }
-  __syncwarp();
-}
-
-// A thread for each point; the points of a warp are searched for together. Static shared memory:
-// 1.7 KB for each warp.
-__global__ void search_mesh(SearchedMesh searched, const Vec3d* points, std::uint64_t count,
-                            double* found) {
-  __shared__ WarpStack stacks[kThreads / kWarp];
-  __shared__ LeafCorners leaves[kThreads / kWarp];
-  const std::uint64_t i = thread_index();
-  if (i / kWarp * kWarp >= count) return;  // the whole warp
-  const bool is_there = i < count;
-  const Vec3d p = is_there ? points[i] : searched.tree.center;
-  double squared = is_there ? std::numeric_limits<double>::infinity() : -1;
-  LeafCorners& leaf = leaves[threadIdx.x / kWarp];
-  const auto visit = [&](std::uint32_t index, std::uint32_t near, double& least) {
-    std::uint32_t wanted = __reduce_or_sync(kAllLanes, near);
-    load_corners(searched, index, wanted, leaf);
-    for (; wanted != 0; wanted &= wanted - 1) {
-      const int child = lowest_bit(wanted);
-      if (!(near >> child & 1)) continue;
-      const Vec3d(&t)[3] = leaf.corners[child];
-      const double here = squared_distance_to(p, {t[0], t[1], t[2]});
-      least = here < least ? here : least;
-    }
-  };
-  WarpSearch(searched.tree, stacks[threadIdx.x / kWarp])
-      .visit_leaves(searched.tree.query(p), squared, visit);
-  if (is_there) found[i] = sqrt(squared);
-}
-
 // How many samples of each kind the patches before each one have, and all: on the device and on the
 // host.
 class SampleOffsets {
@@ -234,7 +187,8 @@ std::vector<PatchRange> cut(const SampleOffsets& offsets, std::uint32_t patches)
 
 // Measures the samples of a range and adds them to the statistics.
 void add_range(const SampledPatches& patches, const SampleOffsets& offsets, const PatchRange& range,
-               const SearchedMesh& mesh, DeviceStatistics& statistics, const Stream& stream) {
+               const SearchedMesh& mesh, double reach, DeviceStatistics& statistics,
+               const Stream& stream) {
   DeviceArray<Vec3d> samples[kKinds];
   for (int kind = 0; kind < kKinds; ++kind) {
     samples[kind] =
@@ -247,8 +201,7 @@ void add_range(const SampledPatches& patches, const SampleOffsets& offsets, cons
   for (int kind = 0; kind < kKinds; ++kind) {
     const std::uint64_t count = samples[kind].size();
     found[kind] = DeviceArray<double>(count, stream);
-    launch("search_mesh", search_mesh, over(count, kThreads), stream, mesh, samples[kind].data(),
-           count, found[kind].data());
+    find_nearest_triangles(mesh, samples[kind], reach, found[kind].data(), stream);
   }
   statistics.add(
       found[kInside].data(), found[kInside].size(),
@@ -260,7 +213,7 @@ void add_range(const SampledPatches& patches, const SampleOffsets& offsets, cons
 }  // namespace
 
 DistanceStatistics surface_to_mesh(const DevicePatches& patches, const SearchedMesh& mesh,
-                                   double density, const DistanceOptions& options,
+                                   double density, double reach, const DistanceOptions& options,
                                    const Stream& stream) {
   const SampledPatches sampled{patches.patches(), patches.ranks(), patches.size(), density,
                                options.seed};
@@ -269,7 +222,7 @@ DistanceStatistics surface_to_mesh(const DevicePatches& patches, const SearchedM
   begin_stage(options.monitor, "distances of the surface (CUDA)", ranges.size());
   DeviceStatistics statistics(stream);
   for (const PatchRange& range : ranges) {
-    add_range(sampled, offsets, range, mesh, statistics, stream);
+    add_range(sampled, offsets, range, mesh, reach, statistics, stream);
     advance(options.monitor, 1);
   }
   return statistics.result();

@@ -18,8 +18,8 @@ namespace vdwmesh {
 struct MeshPart {
   const IndexedMesh& mesh;          // positions and triangles
   std::size_t vertices, triangles;  // the own ones, which are the first so many
-  // [i]: whether vertex `vertices` + i, of another part, is larger than all own ones, else 0. It is
-  // smaller than all of them then.
+  // [i]: 1 if vertex `vertices` + i, of another part, is larger than all own ones, 0 if it is
+  // smaller than all of them.
   std::span<const std::uint8_t> is_larger;
 
   // Whether own vertex v is smaller than vertex w.

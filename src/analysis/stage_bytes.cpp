@@ -102,8 +102,7 @@ std::uint64_t distances_bytes(const MeshSize& m, std::uint64_t spheres) {
   // two thirds of the spheres have a patch.
   constexpr std::uint64_t kBytesPerSphere = 800;
   // The tree of a divided mesh has runs of four triangles and takes less than one of triangles.
-  // Beside it there is one byte for each vertex, which says whether a
-  // triangle uses it.
+  // Beside it there is one byte for each vertex, which says whether a triangle uses it.
   return BoxTree::bytes(m.triangles) + m.vertices + kBytesPerSphere * spheres;
 }
 

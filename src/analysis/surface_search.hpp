@@ -135,11 +135,13 @@ VDWMESH_HD inline bool update_nearest(const Patch& patch, const Vec3d& p, double
 
 // Returns the squared distance, Å², of a point inside the union: by the formula above the larger of
 // s², which the caller passes as `least`, and the squared distance to the nearest patch. The search
-// may therefore end once a patch is as near as s². `hint` is the patch that is measured first.
+// may therefore end once a patch is as near as s². A caller to whom distances up to a larger bound
+// are alike passes its square instead. `hint` is the patch that is measured first.
 VDWMESH_HD inline double nearest_exposed(const PatchTreeView& surface, const Vec3d& p,
                                          std::uint32_t hint, double least) {
   double squared = std::numeric_limits<double>::infinity();
   update_nearest(surface.patches[hint], p, squared);
+  if (squared <= least) return least;
   // A sphere has a point nearer than `reach` only if |p - center| is between radius - reach and
   // radius + reach. The squares are compared, so most balls are rejected without a square root.
   double reach = std::sqrt(squared);
