@@ -103,11 +103,11 @@ struct ExactMesh {
 // Meshes the boundary of the union. The labels of a vertex are the ids of the spheres it lies on,
 // ascending. The result depends on the arguments alone: every call and any number of threads give
 // the same mesh, and a permuted input permutes the labels only.
+//
 // Throws InvalidInput for an empty set, for an edge length that is not finite and positive, for a
 // least angle out of range, and if there are edge lengths by sphere, but not one for each sphere;
-// and Cancelled. Throws LimitExceeded before it takes memory beyond
-// the limit, or later if curves of the boundary lie too close to each other for every set of
-// thresholds.
+// and Cancelled. Throws LimitExceeded before it takes memory beyond the limit, or later if curves
+// of the boundary lie too close to each other for every set of thresholds.
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options = {});
 
 // mesh_union() on the CPU or on a CUDA device; make_exact_mesher() (cuda/backend.hpp) chooses. All

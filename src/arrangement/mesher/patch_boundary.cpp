@@ -213,8 +213,8 @@ std::vector<std::uint32_t> boundary_order(std::size_t points) {
   order.reserve(count);
   // The first loop takes every step-th point: all points if there are few, otherwise the first and
   // usually one more, since the largest power of two up to `count` is more than half of it. Each
-  // round of the second loop takes the
-  // points halfway between those taken so far, until the step is 1 and all points have been taken.
+  // round of the second loop takes the points halfway between those taken so far, until the step is
+  // 1 and all points have been taken.
   std::uint32_t step = count < kMany ? 1 : std::bit_floor(count);
   for (std::uint32_t i = 0; i < count; i += step) order.push_back(i);
   for (; step > 1; step /= 2) {

@@ -42,8 +42,7 @@ class PlaneTriangulationOf : public PlaneTypes {
   // Starts anew with the given points, which are the vertices 0, 1, ..., but are not inserted yet.
   // The frame is made so large that it contains them. `circles` says which of them lie on one
   // circle, and must outlive the use. If it is null, nothing is a tie but what exact tests say is
-  // one. Precondition: coordinates
-  // of at most kLargestCoordinate / 4.
+  // one. Precondition: coordinates of at most kLargestCoordinate / 4.
   void start(std::span<const PlanePoint> points, const Circles* circles);
   // For going on from there later with resume().
   void save(State& state) const;
