@@ -28,8 +28,9 @@ constexpr double kTrianglesPerCell = 3.0;
 // Of the crease-exact mesher: equilateral ones, and per Å² those that arcs and corners take,
 // however long the edges; of balls larger than atoms no more than so many per ball.
 constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfBall = 256;
-// Of the mesher of the excluded surface: per Å² those that its many short curves take.
-constexpr double kTrianglesOfCurves = 26;
+// Of the mesher of the excluded surface: per Å² those that its many short curves take. Edges of 3 Å
+// gave 14 to 30.4, the most of a capsid without hydrogens.
+constexpr double kTrianglesOfCurves = 32;
 // By what factor a bound on the angles adds triangles, at most.
 constexpr double kMoreForAngles = 1.3;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew

@@ -22,6 +22,7 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   file(MAKE_DIRECTORY "${doc}")
   configure_file("${CPACK_VDWMESH_SOURCE_DIR}/packaging/copyright" "${doc}/copyright" COPYONLY)
   configure_file("${CPACK_VDWMESH_SOURCE_DIR}/CHANGELOG.md" "${doc}/changelog" COPYONLY)
+  configure_file("${CPACK_VDWMESH_SOURCE_DIR}/CITATION.cff" "${doc}/CITATION.cff" COPYONLY)
   file(WRITE "${doc}/changelog.Debian"
 "vdwmesh (${CPACK_PACKAGE_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) bookworm; urgency=medium
 

@@ -205,6 +205,11 @@ class Reading {
 std::optional<Command> read_command_line(const Program& program, int argc,
                                          const char* const* argv) {
   Words words(argv + 1, argv + std::max(argc, 1));
+  // Other programs take the word help before a verb, so people type it here too.
+  if (!words.empty() && words[0] == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
   if (answer_without_verb(program, words)) return std::nullopt;
   const Verb& verb = take_verb(program, words);
   Draft draft;

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 
 #include "arrangement/exact_mesher.hpp"
 #include "command_line/option_list.hpp"
+#include "core/letters.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "memory.hpp"
 #include "mesh/mesh_io.hpp"
@@ -164,8 +166,13 @@ void check_model(const std::string& model) {
 // The thesis took ATOM records alone.
 void settle_input(Draft& d) {
   check_model(d.read.model);
-  const std::string& radii = d.read.radii;
-  if (std::ranges::count(RadiusTable::names(), radii) == 0) d.files.add_input("--radii", radii);
+  std::string& radii = d.read.radii;
+  const auto is_set = [](const std::string& name) {
+    return std::ranges::count(RadiusTable::names(), name) > 0;
+  };
+  // Papers write the names of sets with capitals.
+  if (!std::filesystem::exists(radii) && is_set(lower_case(radii))) radii = lower_case(radii);
+  if (!is_set(radii)) d.files.add_input("--radii", radii);
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
   refuse_if(d.verb != kBatch && std::ranges::count(d.paths, "-") > 0 &&

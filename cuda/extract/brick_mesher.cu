@@ -2,10 +2,11 @@
 // surface: it finds bricks, evaluates the field in them and writes their vertices. The rest is done
 // here.
 //
-// Counting: the source finds the candidates and writes signs and counts of each. One exclusive
-// prefix sum over the counts then gives every brick the numbers of its first vertex and triangle.
-// The field of all candidates is kept for emission if it fits into memory. If it does not, it is
-// evaluated for as many bricks at a time as fit, and evaluated again when they are emitted.
+// Counting: the source finds the candidates and writes signs and counts of each. One
+// prefix sum over the counts, moved by one brick, then gives every brick the numbers of its first
+// vertex and triangle. The field of all candidates is kept for emission if it fits into memory. If
+// it does not, it is evaluated for as many bricks at a time as fit, and evaluated again when they
+// are emitted.
 //
 // Emission: for a run of bricks the source writes the vertices, and one kernel for all sources the
 // triangles, each to the places that their numbers say. Nothing is appended, so the mesh does not
@@ -150,6 +151,9 @@ void DeviceBrickMesher::count(const KeyRange& own) {
 }
 
 void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
+  if (candidates.padded && (own.begin != 0 || own.end != kNoBrickKey)) {
+    throw InternalError("a padded list of bricks is not of the whole surface");
+  }
   const Stream& stream = source_.stream();
   candidates_ = std::move(candidates);
   mark_end_of(Stage::search);
@@ -186,7 +190,7 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   launch("add_up", add_up, {1, kCountParts}, stream.get(), tally_.data()->parts,
          counted_.before.data(), n, totals);
   counted_.totals = fetch_by_kernel(totals, stream);
-  // Every brick of a padded list holds surface.
+  // Every brick of a padded list holds surface, and all are of the range.
   if (candidates_.padded) end_list_at(counted_.totals.surface_bricks);
   own_to_ = counted_.totals.sums;
   if (own_.begin > 0) own_from_ = fetch_by_kernel(counted_.before.data() + own_.begin, stream);
@@ -201,7 +205,7 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   mark_end_of(Stage::scan);
 }
 
-// Leaves out the padding of the list of candidates, which are so many.
+// Ends the list of candidates, and the range with it, at this index: what stands behind is padding.
 void DeviceBrickMesher::end_list_at(std::uint64_t count) {
   candidates_.count = count;
   candidates_.padded = false;
@@ -378,14 +382,15 @@ DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
 
 void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
+  const BrickList list = counted_.list(candidates_.count);
   // Vertices and triangles are made side by side: neither keeps the device busy to its end. The
-  // triangles begin: their thread blocks stay to the end and leave room for those of the vertices,
-  // which wait for memory while triangles issue instructions.
+  // triangles begin: their blocks, few and long-lived, leave room for those of the vertices, so
+  // that instructions of the one fill the other's waits for memory.
   WorkBeside triangles(stream.get());
-  emit_triangles_on_device(counted_.list(), neighbours_, searched_from_, before_mesh_.data(),
-                           slab.bricks, mesh, &tally_.data()->emission, triangles.stream());
+  emit_triangles_on_device(list, neighbours_, searched_from_, before_mesh_.data(), slab.bricks,
+                           mesh, &tally_.data()->emission, triangles.stream());
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
-  source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
+  source_.emit_vertices(part_of(list, slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,
                         &tally_.data()->emission.clamped);
   mark_end_of(Stage::vertices);

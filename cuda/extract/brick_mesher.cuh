@@ -16,8 +16,8 @@ class DeviceBrickMesher {
                     std::size_t sharers = 1);
 
   // Finds the candidates, counts what they hold and numbers it: the bricks of `own`, and around
-  // them those of its halo. Throws LimitExceeded, and DeviceMemoryExceeded if not even one brick's
-  // field fits beside what is kept of every brick.
+  // them those of its halo. Once per mesher. Throws LimitExceeded, and DeviceMemoryExceeded if not
+  // even one brick's field fits beside what is kept of every brick.
   void count(const KeyRange& own = {});
   // The same for candidates that are known (keys, rising).
   void count(KeyList candidates, const KeyRange& own = {});

@@ -4,6 +4,8 @@
 // along x; row (y, z) has number 8 z + y.
 #pragma once
 
+#include <cstddef>
+
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/ordered_gather.cuh"
 #include "extract/bricks/brick_geometry.hpp"
@@ -81,6 +83,9 @@ __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsi
 __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTable& table,
                                    ActiveBrick& brick) {
   static_assert(kOwnRows == 2 * kWarp && kBrickSide % 2 == 0 && kBrickReach < 16);
+  // The counts before two rows are written as one word.
+  static_assert(offsetof(ActiveBrick, row_vertices) % 4 == 0 &&
+                offsetof(ActiveBrick, row_triangles) % 4 == 0);
   const unsigned lane = threadIdx.x % kWarp;
   const int row = 2 * static_cast<int>(lane), y = row % kBrickSide, z = row / kBrickSide;
   const auto both = [&](int dy, int dz) {
@@ -113,8 +118,8 @@ __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTabl
       __byte_perm(before, between, 0x7632);
   std::uint32_t clipped = 0;
   if (geometry.has_virtual_nodes()) {
-    const std::uint32_t border = border_cells(geometry, y, z) | border_cells(geometry, y + 1, z)
-                                                                    << 16;
+    const std::uint32_t first_border = border_cells(geometry, y, z);
+    const std::uint32_t border = first_border | border_cells(geometry, y + 1, z) << 16;
     clipped = __reduce_add_sync(kAllLanes, static_cast<std::uint32_t>(__popc(mixed & border)));
   }
   if (lane != kWarp - 1) return;

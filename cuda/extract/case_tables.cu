@@ -59,7 +59,7 @@ TriangleCodes make_triangle_codes(const CaseTable& table) {
     for (int h = 0; h < 3 * table.triangle_count[inside]; ++h) {
       codes.triangle[inside][h / 3].bits |=
           std::uint64_t{code_of(table.edges[inside][h], table.across[inside][h]).bits}
-          << 21 * (h % 3);
+          << kHalfEdgeBits * (h % 3);
     }
     codes.count[inside] = table.triangle_count[inside];
     std::ranges::copy(table.face_half_edge[inside], codes.face_half_edge[inside]);

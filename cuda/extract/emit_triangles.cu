@@ -1,7 +1,5 @@
 // Writes the triangles of the bricks, and on request their opposite half-edges, with a group of two
 // warps per brick. It is the device counterpart of TriangleEmitter; the numbers are the same.
-// 0. A thread block of several groups fills a good part of a multiprocessor. It copies the tables
-//    of the cases to shared memory once, and its groups then take bricks until none is left.
 // 1. find_triangle_neighbours() (triangle_neighbours.cu) has found each brick's neighbours.
 // 2. emit_triangles gathers in shared memory all that is needed to compute the numbers of a brick's
 //    vertices and half-edges: its mixed cells (which the surface crosses) with their first
@@ -9,12 +7,15 @@
 // 3. Of the neighbours it takes only what lies beyond faces that the surface crosses: rows of nodes
 //    and, for half-edges, mixed cells.
 // 4. Then each lane computes one triangle at a time, and a warp writes 32 of them together.
+// A thread block of several groups fills a good part of a multiprocessor. It copies the tables of
+// the cases to shared memory once, and its groups then take bricks until none is left.
 // Along each axis a brick has a lower and an upper neighbour. Face f is perpendicular to axis f /
 // 2, at the lower side if f is even, else at the upper side.
 #include <algorithm>
 
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/triangle_shared.cuh"
+#include "cuda/memory/device.cuh"
 #include "cuda/memory/launch.cuh"
 
 namespace vdwmesh {
@@ -22,7 +23,7 @@ namespace {
 
 // ---- what lies beyond the faces ----
 
-// Returns row (y, z) of the block's brick (dx = 0) or of the next brick along x (dx = 1), where y
+// Returns row (y, z) of the group's brick (dx = 0) or of the next brick along x (dx = 1), where y
 // or z is 8, so that an upper neighbour owns the row. y >> 3 and z >> 3 are the neighbour's
 // offsets, y & 7 and z & 7 the row there. If the neighbour is not in the list, the result is an
 // empty row; check_neighbours() reports the neighbour if the surface goes there. `before_mesh` is
@@ -108,12 +109,12 @@ __device__ void share_row_of_cells(const CellsBeyond& beyond, int y, int z, int 
                                    CellShell<Connectivity::half_edges>& shell) {
   const ActiveBrick& owner = beyond.owner;
   // The four rows of nodes at the cells are loaded once.
-  BrickSigns near{};
-  for (int i = 0; i < 4; ++i) near.row[i / 2][i % 2] = owner.signs.row[z + i / 2][y + i % 2];
+  BrickSigns rows{};
+  for (int i = 0; i < 4; ++i) rows.row[i / 2][i % 2] = owner.signs.row[z + i / 2][y + i % 2];
   std::uint32_t start = 3u * owner.row_triangles[z * kBrickSide + y];
-  for (std::uint32_t cells = mixed_cells(near, 0, 0); cells != 0; cells &= cells - 1) {
+  for (std::uint32_t cells = mixed_cells(rows, 0, 0); cells != 0; cells &= cells - 1) {
     const int x = __ffs(static_cast<int>(cells)) - 1;
-    const std::uint32_t inside = cell_case(near, x, 0, 0);
+    const std::uint32_t inside = cell_case(rows, x, 0, 0);
     shell.cell[shell_cell(x, cell_y, cell_z)] =
         shell_word(inside, start, 1 + static_cast<std::uint32_t>(beyond.face));
     start += 3 * codes.count[inside];
@@ -242,7 +243,7 @@ struct StackedMeshes {
 // goes to index 3 * (number of the brick's first triangle - mesh.first_triangle) + n. Dynamic
 // shared memory: a TriangleBlock, without the groups that the block lacks.
 template <Connectivity connectivity, class Meshes>
-__global__ void __launch_bounds__(kGroups* kTriangleThreads, kBlocksPerProcessor)
+__global__ void __launch_bounds__(kMostGroups* kGroupThreads, kBlocksPerProcessor)
     emit_triangles(BrickList list, Meshes meshes, std::uint32_t first, std::uint32_t size,
                    const TriangleNeighbours* neighbours, std::uint64_t searched_from,
                    const TriangleCodes* global_codes, DeviceMeshView mesh,
@@ -255,18 +256,18 @@ __global__ void __launch_bounds__(kGroups* kTriangleThreads, kBlocksPerProcessor
   TriangleShared<connectivity>& s = block.group[own_group()];
   __syncthreads();
   const unsigned lane = threadIdx.x % kWarp, warp = own_half();
-  const unsigned groups = blockDim.x / kTriangleThreads;
+  const unsigned groups = blockDim.x / kGroupThreads;
   for (std::uint32_t at = blockIdx.x * groups + own_group(); at < size; at += gridDim.x * groups) {
-    const LoadedBrick part(list, neighbours, first + at);
-    const BrickSums before = part.before;
-    if (part.after == before.triangles) continue;
+    const LoadedBrick loaded(list, neighbours, first + at);
+    const BrickSums before = loaded.before;
+    if (loaded.after == before.triangles) continue;
     // The other warp may still be at the brick before.
     sync_group();
-    part.share(s.brick, s.near);
+    loaded.share(s.brick, s.near);
     const std::uint32_t words =
-        static_cast<std::uint32_t>(part.after - before.triangles) / kWarp + 3;
+        static_cast<std::uint32_t>(loaded.after - before.triangles) / kWarp + 3;
 #pragma unroll 1
-    for (unsigned w = own_thread(); w < words; w += kTriangleThreads) s.begins[w] = 0;
+    for (unsigned w = own_thread(); w < words; w += kGroupThreads) s.begins[w] = 0;
     if (own_thread() == 0) s.face_signs = 0;
     sync_group();
     const BrickSums before_mesh = meshes.before(s.brick.key);
@@ -285,7 +286,7 @@ __global__ void __launch_bounds__(kGroups* kTriangleThreads, kBlocksPerProcessor
     const std::uint64_t place = 3 * (before.triangles - mesh.first_triangle);
     // `cells`: the number of cells that begin before the word's triangles.
     auto cells = warp == 0 ? 0u : static_cast<std::uint32_t>(__popc(s.begins[0]));
-    for (std::uint32_t w = warp; w * kWarp < s.brick.triangles; w += kTriangleThreads / kWarp) {
+    for (std::uint32_t w = warp; w * kWarp < s.brick.triangles; w += kGroupThreads / kWarp) {
       const std::uint32_t left = s.brick.triangles - w * kWarp, count = left < kWarp ? left : kWarp;
       // Lanes without a triangle repeat the last one.
       const std::uint32_t t = lane < count ? lane : count - 1, word = s.begins[w];
@@ -315,14 +316,6 @@ __global__ void __launch_bounds__(kGroups* kTriangleThreads, kBlocksPerProcessor
   }
 }
 
-// How many multiprocessors the current device has.
-unsigned processors() {
-  int device = 0, count = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  check_cuda(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, device), "device");
-  return static_cast<unsigned>(count);
-}
-
 }  // namespace
 
 void emit_triangles_on_device(const BrickList& bricks,
@@ -333,12 +326,12 @@ void emit_triangles_on_device(const BrickList& bricks,
   const auto launch_as = [&]<Connectivity connectivity, class Meshes>(const Meshes& meshes) {
     const auto kernel = emit_triangles<connectivity, Meshes>;
     // Few bricks are spread over all multiprocessors, by blocks of fewer groups.
-    const unsigned blocks = kBlocksPerProcessor * processors();
-    const unsigned groups = std::clamp(blocks_for(range.size(), blocks), 1u, kGroups);
-    LaunchShape shape = over(range.size(), groups, groups * kTriangleThreads);
+    const unsigned blocks = kBlocksPerProcessor * multiprocessors();
+    const unsigned groups = std::clamp(blocks_for(range.size(), blocks), 1u, kMostGroups);
+    LaunchShape shape = over(range.size(), groups, groups * kGroupThreads);
     shape.blocks.x = std::min(shape.blocks.x, blocks);
     shape.shared = sizeof(TriangleBlock<connectivity>) -
-                   (kGroups - groups) * sizeof(TriangleShared<connectivity>);
+                   (kMostGroups - groups) * sizeof(TriangleShared<connectivity>);
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                     static_cast<int>(sizeof(TriangleBlock<connectivity>))),
                "shared memory");

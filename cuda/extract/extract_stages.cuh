@@ -1,7 +1,6 @@
 // The stages of an extraction on the device, each in a file of its own: device_field.cu,
 // brick_search.cu, count_bricks.cu, emit_vertices.cu and emit_triangles.cu; case_tables.cu has what
-// they look up. DeviceBrickMesher
-// (brick_mesher.cuh) runs them. All pointers lead to device memory.
+// they look up. DeviceBrickMesher (brick_mesher.cuh) runs them. All pointers lead to device memory.
 #pragma once
 
 #include <cstdint>
@@ -69,7 +68,8 @@ struct DeviceCountedBricks {
   DeviceArray<BrickSums> before;  // as in BrickList
   BrickTotals totals{};
 
-  BrickList list() const { return {bricks.data(), before.data(), bricks.size()}; }
+  // The first `count` bricks: the list without its padding.
+  BrickList list(std::uint64_t count) const { return {bricks.data(), before.data(), count}; }
 };
 
 // A run of bricks, as indices begin .. end - 1 into the list of all bricks.

@@ -131,8 +131,7 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   launch("find_mixed", find_mixed,
          over(static_cast<std::uint64_t>(row_words), kThreads - 1, kThreads), stream, grid, words,
          range, mixed.data());
-  constexpr std::uint64_t few = 65536;
-  if (bricks <= std::min(few, most)) {
+  if (bricks <= std::min(kMostPaddedBricks, most)) {
     return padded_keys_of_marks(mixed.data(), grid.bricks, stream);
   }
   KeyList result = keys_of_marks(mixed.data(), grid.bricks, bricks, stream);

@@ -59,6 +59,7 @@ KeyList padded_keys_of_marks(const std::uint8_t* marks, const std::int32_t (&bri
   result.keys = DeviceArray<std::uint64_t>(result.count, stream.get());
   // A key of which all bits are set is kNoBrickKey.
   check_cuda(cudaMemsetAsync(result.keys.data(), 0xff, result.keys.bytes(), stream.get()), "keys");
+  // The selection has to write its number somewhere; nobody reads it.
   const DeviceArray<std::uint64_t> count(1, stream.get());
   select_keys(marks, bricks, result.keys.data(), count.data(), stream.get());
   return result;

@@ -29,24 +29,6 @@ __device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) 
   return owner;
 }
 
-// The sum of the arguments of this lane and all lower lanes. All lanes must call it together.
-// The shuffle itself says whether there is a lane `step` below, which saves a comparison.
-__device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
-#pragma unroll
-  for (unsigned step = 1; step < kWarp; step *= 2) {
-    asm volatile(
-        "{\n\t"
-        ".reg .u32 below;\n\t"
-        ".reg .pred there;\n\t"
-        "shfl.sync.up.b32 below|there, %0, %1, 0, %2;\n\t"
-        "@there add.u32 %0, %0, below;\n\t"
-        "}"
-        : "+r"(sum)
-        : "r"(step), "r"(kAllLanes));
-  }
-  return sum;
-}
-
 // Visits the spheres of one level of the cell list near a box, in list order, 32 at a time. All
 // lanes call visit(place, valid) with a ListPlace together; `valid` is false on lanes without a
 // sphere, whose `place` means nothing. If visit() returns true, the visit of the level ends. It

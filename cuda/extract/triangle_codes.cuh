@@ -26,7 +26,8 @@ VDWMESH_HD constexpr int shell_cell(int x, int y, int z) {
   return (x + 1) * shell_step(0) + (y + 1) * shell_step(1) + (z + 1) * shell_step(2);
 }
 
-// A half-edge of a case, in the lowest 21 bits; the bits above are of other half-edges.
+// A half-edge of a case, in the lowest kHalfEdgeBits bits; those above are of other half-edges.
+inline constexpr int kHalfEdgeBits = 21;
 struct HalfEdgeCode {
   std::uint32_t bits;
 
@@ -35,22 +36,23 @@ struct HalfEdgeCode {
   VDWMESH_HD std::uint32_t row() const { return bits & 15u; }
   // 4 * (the node's x less the cell's) + the axis of the edge.
   VDWMESH_HD std::uint32_t column() const { return bits >> 4 & 7u; }
+  // Its opposite is in the cell of the shell at this step; 0: in the same cell.
+  VDWMESH_HD int step() const { return static_cast<int>(bits << (32 - kHalfEdgeBits)) >> 24; }
   // Which half-edge of that cell the opposite is: its number if it is in the same cell, else
   // kFirstFaceCode plus the place in CaseTable::face_half_edge[case of that cell].
   VDWMESH_HD std::uint32_t opposite() const { return bits >> 7 & 63u; }
-  // Its opposite is in the cell of the shell at this step; 0: in the same cell.
-  VDWMESH_HD int step() const { return static_cast<int>(bits << 11) >> 24; }
 };
+static_assert(kFirstFaceCode + 24 <= 64 && shell_step(2) < 128 && 3 * kHalfEdgeBits <= 64);
 VDWMESH_HD constexpr HalfEdgeCode half_edge_code(std::uint32_t row, std::uint32_t column,
                                                  std::uint32_t opposite, int step) {
   return {row | column << 4 | opposite << 7 | (static_cast<std::uint32_t>(step) & 255u) << 13};
 }
 
 struct TriangleCode {
-  std::uint64_t bits;  // half-edge k from bit 21 k on
+  std::uint64_t bits;  // half-edge k from bit kHalfEdgeBits * k on
 
   VDWMESH_HD HalfEdgeCode half_edge(int k) const {
-    return {static_cast<std::uint32_t>(bits >> 21 * k)};
+    return {static_cast<std::uint32_t>(bits >> kHalfEdgeBits * k)};
   }
 };
 

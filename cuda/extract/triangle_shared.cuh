@@ -13,19 +13,20 @@
 
 namespace vdwmesh {
 
-inline constexpr unsigned kTriangleThreads = 2 * kWarp;  // of a group
-// The most groups of a thread block, and the thread blocks that a multiprocessor gets. They leave a
-// third of its registers and 50 KB of its shared memory to the vertices, which are made meanwhile.
-inline constexpr unsigned kGroups = 8, kBlocksPerProcessor = 2;
-static_assert(kGroups < 16, "barriers are numbered to 15, and one is the whole block's");
+inline constexpr unsigned kGroupThreads = 2 * kWarp;
+// The most groups of a thread block, and the thread blocks for which a multiprocessor of compute
+// capability 9.0 has room; on one of 8.0 only one fits with half-edges. On 9.0 they leave a third
+// of its registers and 50 KB of its shared memory to the vertices, which are made meanwhile.
+inline constexpr unsigned kMostGroups = 8, kBlocksPerProcessor = 2;
+static_assert(kMostGroups < 16, "barriers are numbered to 15, and one is the whole block's");
 
-__device__ inline unsigned own_group() { return threadIdx.x / kTriangleThreads; }
-__device__ inline unsigned own_thread() { return threadIdx.x % kTriangleThreads; }
+__device__ inline unsigned own_group() { return threadIdx.x / kGroupThreads; }
+__device__ inline unsigned own_thread() { return threadIdx.x % kGroupThreads; }
 __device__ inline unsigned own_half() { return threadIdx.x / kWarp % 2; }  // the warp of the group
 
 // Waits until all threads of the group are there, as __syncthreads() does for a block.
 __device__ inline void sync_group() {
-  asm volatile("bar.sync %0, %1;" ::"r"(own_group() + 1), "n"(kTriangleThreads) : "memory");
+  asm volatile("bar.sync %0, %1;" ::"r"(own_group() + 1), "n"(kGroupThreads) : "memory");
 }
 
 // Words of 32 bits for a bit of each triangle that a brick can have.
@@ -104,7 +105,7 @@ struct TriangleShared {
 template <Connectivity connectivity>
 struct TriangleBlock {
   TriangleCodes codes;
-  TriangleShared<connectivity> group[kGroups];
+  TriangleShared<connectivity> group[kMostGroups];
 };
 
 // Copies the tables to shared memory. By a thread block; the caller synchronises afterwards.
@@ -119,12 +120,13 @@ __device__ inline void share_codes(const TriangleCodes& from, TriangleCodes& to)
 
 // ---- the brick's own cells and rows ----
 
-// What a thread loads of a brick: a word of 8 bytes of it, and a neighbour. Both go to registers
-// first, so that these loads are under way together with those that tell whether the brick has
-// triangles (load_now()). share() then writes them to shared memory.
+// What a thread loads of a brick: a word of 8 bytes of it, a neighbour, and what stands before the
+// brick and before the next one. Word and neighbour go to registers first, so that these loads are
+// under way together with those that tell whether the brick has triangles (load_now()). share()
+// then writes them to shared memory.
 struct LoadedBrick {
   static constexpr unsigned kWords = sizeof(ActiveBrick) / sizeof(std::uint64_t);
-  static_assert(kWords <= kTriangleThreads && sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
+  static_assert(kWords <= kGroupThreads && sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
 
   std::uint64_t word;
   std::uint32_t neighbour;

@@ -84,12 +84,8 @@ __device__ __forceinline__ void visit_near(const BatchCellsView& list, const Sph
         begin = list.cell_start[cell + rx.first];
         length = list.cell_start[cell + rx.last + 1] - begin;
       }
-      std::uint32_t end = length;  // of the row, in the rows laid end to end
-#pragma unroll
-      for (int step = 1; step < 32; step *= 2) {
-        const std::uint32_t before = __shfl_up_sync(kAllLanes, end, step);
-        if (lane >= step) end += before;
-      }
+      // Of the row, in the rows laid end to end.
+      const std::uint32_t end = warp_inclusive_sum(length);
       const std::uint32_t total = __shfl_sync(kAllLanes, end, 31);
       const std::uint32_t shift = begin - (end - length);
       for (std::uint32_t base = 0; base < total; base += 32) {

@@ -213,6 +213,13 @@ QuietDeviceScope::QuietDeviceScope(int device) noexcept {
 
 QuietDeviceScope::~QuietDeviceScope() { cudaSetDevice(before_); }
 
+unsigned multiprocessors() {
+  int count = 0;
+  check_cuda(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, current_device()),
+             "device");
+  return static_cast<unsigned>(count);
+}
+
 cudaMemPool_t current_memory_pool() {
   cudaMemPool_t pool = nullptr;
   check_cuda(cudaDeviceGetDefaultMemPool(&pool, current_device()), "memory pool");

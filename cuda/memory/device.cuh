@@ -45,6 +45,9 @@ class QuietDeviceScope {
   int before_ = 0;
 };
 
+// How many multiprocessors the current device has.
+unsigned multiprocessors();
+
 // The memory pool of the current device, from which device arrays are taken.
 cudaMemPool_t current_memory_pool();
 

@@ -5,6 +5,7 @@
 
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/quick_fetch.cuh"
+#include "cuda/memory/warp.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -19,7 +20,7 @@ void fetch_bytes_by_kernel(const void* device, void* to, std::size_t bytes, cons
   const FetchPlace place;
   void* place_on_device = nullptr;
   if (cudaHostGetDevicePointer(&place_on_device, place.data(), 0) == cudaSuccess) {
-    launch("fetch", send_words, {1, 32}, stream.get(), static_cast<const std::uint32_t*>(device),
+    launch("fetch", send_words, {1, kWarp}, stream.get(), static_cast<const std::uint32_t*>(device),
            static_cast<std::uint32_t*>(place_on_device), bytes / sizeof(std::uint32_t));
   } else {
     cudaGetLastError();  // the failed call is no error

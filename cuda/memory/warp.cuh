@@ -1,9 +1,29 @@
-// Words that every kernel uses about warps.
+// Words that every kernel uses about warps, and the sums over their lanes that make room in lists.
 #pragma once
+
+#include <cstdint>
 
 namespace vdwmesh {
 
 inline constexpr unsigned kWarp = 32;               // lanes of a warp
 inline constexpr unsigned kAllLanes = 0xffffffffu;  // a bit for each lane: all take part
+
+// The sum of the arguments of this lane and all lower lanes. All lanes must call it together.
+// The shuffle itself says whether there is a lane `step` below, which saves a comparison.
+__device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
+#pragma unroll
+  for (unsigned step = 1; step < kWarp; step *= 2) {
+    asm volatile(
+        "{\n\t"
+        ".reg .u32 below;\n\t"
+        ".reg .pred there;\n\t"
+        "shfl.sync.up.b32 below|there, %0, %1, 0, %2;\n\t"
+        "@there add.u32 %0, %0, below;\n\t"
+        "}"
+        : "+r"(sum)
+        : "r"(step), "r"(kAllLanes));
+  }
+  return sum;
+}
 
 }  // namespace vdwmesh

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "cuda/memory/cub_calls.cuh"
+#include "cuda/memory/device.cuh"
 #include "cuda/refine/device_crossings.cuh"
 #include "cuda/refine/patch_pair_tests.cuh"
 
@@ -26,9 +27,9 @@ constexpr unsigned kThreads = 256;
 constexpr std::uint64_t kPairsOfTriangle = 8, kPairsOfPatch = 2;
 // Pairs of quarters of two patches.
 constexpr std::uint64_t kQuarterPairs = 16;
-// Blocks of kernels that loop over lists whose length is known on the device alone: eight for each
-// of 132 multiprocessors.
-constexpr unsigned kListBlocks = 1056;
+// Blocks, for each multiprocessor, of kernels that loop over lists whose length is known on the
+// device alone.
+constexpr unsigned kListBlocksPerProcessor = 8;
 // The width of a cell, in units of the mean of the longest sides of patches' boxes.
 constexpr double kCellWidth = 2;
 constexpr const char* kPurpose = "looking for crossing triangles";
@@ -375,8 +376,8 @@ std::uint64_t CrossingFinder<Patches>::find(std::uint64_t first, const FanState*
            found_.data());
     listed_ = fetch(found_.data(), stream_);
     if (listed_ <= pairs_.size()) return last;
-    if (at_once_ > 1) {
-      at_once_ /= 2;
+    if (last - first > 1) {
+      at_once_ = (last - first) / 2;
       continue;
     }
     pairs_ = DeviceArray<NumberPair>();
@@ -389,8 +390,9 @@ std::uint64_t CrossingFinder<Patches>::find(std::uint64_t first, const FanState*
 // have room in a list.
 template <class Patches>
 void CrossingFinder<Patches>::test(const MoveStatesView& move_states) {
-  const auto blocks = [](std::uint64_t items) -> LaunchShape {
-    return {std::min(blocks_for(items, kTestThreads), kListBlocks), kTestThreads};
+  const unsigned most_blocks = kListBlocksPerProcessor * multiprocessors();
+  const auto blocks = [=](std::uint64_t items) -> LaunchShape {
+    return {std::min(blocks_for(items, kTestThreads), most_blocks), kTestThreads};
   };
   if constexpr (Patches::kQuarters == 0) {
     launch("test_triangles", test_triangles, blocks(listed_), stream_, level_.mesh, move_states,
@@ -401,16 +403,16 @@ void CrossingFinder<Patches>::test(const MoveStatesView& move_states) {
       const std::uint64_t count = std::min(most, listed_ - first);
       NumberPair* const pairs = pairs_.data() + first;
       if constexpr (!Patches::kHasParts) {
-        launch("drop_kept_apart", drop_kept_apart_patches, over(count, kTestThreads), stream_,
-               level_, pairs, count);
+        launch("drop_kept_apart of patches", drop_kept_apart, over(count, kTestThreads), stream_,
+               level_, pairs, count, nullptr);
       }
       clear(near_count_, stream_.get());
       launch("list_quarters", list_quarters<Patches>, over(count, kTestThreads), stream_,
              quarters_.data(), pairs, count, near_.data(), near_count_.data());
       const LaunchShape lists = blocks(kQuarterPairs * count);
       if constexpr (Patches::kHasParts) {
-        launch("drop_kept_apart", drop_kept_apart, lists, stream_, level_, near_.data(),
-               near_count_.data());
+        launch("drop_kept_apart of parts", drop_kept_apart, lists, stream_, level_, near_.data(),
+               near_.size(), near_count_.data());
         launch("test_parts", test_parts, lists, stream_, level_.mesh, move_states, near_.data(),
                near_count_.data());
       } else {
@@ -465,7 +467,8 @@ void CrossingFinder<Patches>::mark(const MoveStatesView& move_states, int pass,
 
 // Of each patch what the survey knows, the boxes of its quarters, the offset and the mark of at
 // most one cell, and about three entries. There is about one corner for two patches, each with
-// the state and the direction of its fan. Then the two lists of pairs.
+// the state and the direction of its fan. Then the list of pairs of patches, and if they have
+// quarters that of these.
 std::uint64_t crossing_search_bytes(std::uint64_t patches, bool has_quarters,
                                     std::uint64_t pairs_at_once) {
   const std::uint64_t of_quarters =

@@ -18,14 +18,9 @@ inline constexpr unsigned kTestThreads = 128;  // of a block
 // Reserves room in a list for the `mine` elements of each lane, and returns where those of the lane
 // begin. All lanes of a warp must call it together.
 __device__ inline unsigned long long reserve(unsigned long long* count, unsigned mine) {
-  const unsigned lane = threadIdx.x % kWarp;
-  unsigned through = mine;  // of all lanes up to this one
-  for (unsigned step = 1; step < kWarp; step *= 2) {
-    const unsigned before = __shfl_up_sync(kAllLanes, through, step);
-    if (lane >= step) through += before;
-  }
+  const std::uint32_t through = warp_inclusive_sum(mine);
   unsigned long long begin = 0;
-  if (lane == kWarp - 1 && through > 0) begin = atomicAdd(count, 1ull * through);
+  if (threadIdx.x % kWarp == kWarp - 1 && through > 0) begin = atomicAdd(count, 1ull * through);
   return __shfl_sync(kAllLanes, begin, kWarp - 1) + through - mine;
 }
 
@@ -130,11 +125,13 @@ class PairQueue {
   unsigned size_ = 0;
 };
 
-// Of each pair that a lane has, the first `count` lanes one, there are 16 pairs of quarters: number
-// 4 a + i for i < 4 with number 4 b + j. Calls visit(has, quarters) for two pairs at a time, half a
-// warp for each; `has` is false in lanes without a pair. All lanes must call it together.
+// Of each pair of parts a, b that a lane has, the first `count` lanes one, there are 16 pairs of
+// triangles: 4 a + i for i < 4 with 4 b + j. Calls visit(has, triangles) for two pairs of parts at
+// a time, half a warp for each; `has` is false in lanes without a pair. All lanes must call it
+// together.
 template <class Visit>
-__device__ void visit_quarters(const NumberPair& pair, unsigned count, const Visit& visit) {
+__device__ void visit_triangles_of_parts(const NumberPair& pair, unsigned count,
+                                         const Visit& visit) {
   constexpr unsigned kHalf = kWarp / 2;
   const unsigned lane = threadIdx.x % kWarp;
   for (unsigned first = 0; first < count; first += 2) {
@@ -219,11 +216,12 @@ template <class Patches>
 __global__ void __launch_bounds__(kTestThreads)
     list_quarters(const FloatBox* quarters, const NumberPair* pairs, std::uint64_t count,
                   NumberPair* near, unsigned long long* found) {
+  // Of a patch with itself: the bits with k < j, and for parts those with k == j.
   constexpr unsigned kInOrder = Patches::kHasParts ? 0x8cefu : 0x08ceu;
   const std::uint64_t i = thread_index();
   NumberPair pair{kNoNumber, 0};
   if (i < count) pair = pairs[i];
-  unsigned overlapping = 0;  // bit 4 i + j
+  unsigned overlapping = 0;  // bit 4 k + j: quarter k of a with quarter j of b
   if (pair.a != kNoNumber) {
     FloatBox others[4];
     for (int j = 0; j < 4; ++j) others[j] = quarters[4 * std::uint64_t{pair.b} + j];
@@ -237,26 +235,22 @@ __global__ void __launch_bounds__(kTestThreads)
   }
   unsigned long long slot = reserve(found, static_cast<unsigned>(__popc(overlapping)));
   for (; overlapping != 0; overlapping &= overlapping - 1, ++slot) {
-    const unsigned k = static_cast<unsigned>(__ffs(static_cast<int>(overlapping))) - 1;
-    near[slot] = {4 * pair.a + k / 4, 4 * pair.b + k % 4};
+    const unsigned bit = static_cast<unsigned>(__ffs(static_cast<int>(overlapping))) - 1;
+    near[slot] = {4 * pair.a + bit / 4, 4 * pair.b + bit % 4};
   }
 }
 
-// Makes pairs of parts that a wall keeps apart pairs of kNoNumber.
-__global__ void __launch_bounds__(kTestThreads)
-    drop_kept_apart(MidpointLevel level, NumberPair* pairs, const unsigned long long* count) {
-  const std::uint64_t end = *count, step = std::uint64_t{gridDim.x} * blockDim.x;
+// Makes listed pairs that a wall keeps apart pairs of kNoNumber: pairs of parts, on level 1 of
+// patches. There are *count of them, or `most` if `count` is null.
+static __global__ void __launch_bounds__(kTestThreads)
+    drop_kept_apart(MidpointLevel level, NumberPair* pairs, std::uint64_t most,
+                    const unsigned long long* count) {
+  const std::uint64_t end = count != nullptr ? *count : most;
+  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t i = thread_index(); i < end; i += step) {
     const NumberPair pair = pairs[i];
     if (pair.a != pair.b && kept_apart(level, pair)) pairs[i].a = kNoNumber;
   }
-}
-__global__ void __launch_bounds__(kTestThreads)
-    drop_kept_apart_patches(MidpointLevel level, NumberPair* pairs, std::uint64_t count) {
-  const std::uint64_t i = thread_index();
-  if (i >= count) return;
-  const NumberPair pair = pairs[i];
-  if (pair.a != pair.b && kept_apart(level, pair)) pairs[i].a = kNoNumber;
 }
 
 // Calls visit(has, pair) for 32 listed pairs at a time, one for each lane, in all lanes of a warp
@@ -300,7 +294,7 @@ class TriangleQueue {
 };
 
 // Tests listed pairs of triangles and marks the vertices of those that cross.
-__global__ void __launch_bounds__(kTestThreads)
+static __global__ void __launch_bounds__(kTestThreads)
     test_triangles(DeviceMeshView mesh, MoveStatesView move_states, const NumberPair* pairs,
                    const unsigned long long* count) {
   __shared__ NumberPair room[kTestThreads / kWarp][PairQueue::kRoom];
@@ -310,7 +304,7 @@ __global__ void __launch_bounds__(kTestThreads)
 }
 
 // The same for listed pairs of parts, each with four triangles.
-__global__ void __launch_bounds__(kTestThreads)
+static __global__ void __launch_bounds__(kTestThreads)
     test_parts(DeviceMeshView mesh, MoveStatesView move_states, const NumberPair* pairs,
                const unsigned long long* count) {
   __shared__ NumberPair room[kTestThreads / kWarp][PairQueue::kRoom];
@@ -321,7 +315,7 @@ __global__ void __launch_bounds__(kTestThreads)
     while (parts.size() >= least) {
       NumberPair part{0, 0};
       const unsigned taken = parts.pop(part);
-      visit_quarters(part, taken, [&](bool has, const NumberPair& t) {
+      visit_triangles_of_parts(part, taken, [&](bool has, const NumberPair& t) {
         const bool in_order = t.a / 4 != t.b / 4 || t.a < t.b;
         triangles.push(has && in_order, t);
       });

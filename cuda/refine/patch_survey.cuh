@@ -99,11 +99,12 @@ struct alignas(8) SurveyedPatch {
   FloatBox box;
   // The corners around which all patches were a star in pass 0, kNoStar for others.
   std::uint32_t star[3];
-  // Byte c < 3 is of corner c, its bits are these constants. The patch must be tested if one of the
-  // three has kWanted. On level 0 and in pass 0 it says whether a vertex of its kind at corner c
-  // has a wanted state; later that of byte 0 is of them all.
-  std::uint8_t marks[4];
+  // Byte c < 3 is of corner c; byte 3 fills the word that want_listed() changes. kWanted in any of
+  // the three: the pass must test the patch. The survey and level 0 set it by the kind of vertex,
+  // later passes in byte 0 alone. kFails, kCrosses: what the patch adds to the fan of corner c
+  // (fan_state_of()).
   static constexpr unsigned kWanted = 1, kFails = 2, kCrosses = 4;
+  std::uint8_t marks[4];
 };
 
 __device__ inline bool is_wanted(const SurveyedPatch& patch) {
@@ -227,6 +228,10 @@ __device__ inline void extend(float& lower, float& upper, double coordinate) {
   upper = fmaxf(upper, __double2float_ru(coordinate));
 }
 
+// Which of a patch's vertices is number k as seen from corner c: three of each kind, which go round
+// alike.
+__device__ constexpr int seen_from(int c, int k) { return k / 3 * 3 + (k % 3 + c) % 3; }
+
 // Writes the boxes of all patches and of their quarters, and which patches pass 0 must test, and
 // judges the fans of their corners. Three threads per patch: that of corner c has the sides of the
 // boxes along axis c. A midpoint starts between corners of its patch and of its part, which never
@@ -238,7 +243,6 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
   if (t >= level.patches()) return;
   const int c = static_cast<int>(thread_index() % 3);
   constexpr int kVertices = Patches::kVertices;
-  const auto turned = [=](int i) { return i / 3 * 3 + (i % 3 + c) % 3; };
   float lower = INFINITY, upper = -INFINITY;
   unsigned marks = 0;
   bool wanted = false;
@@ -261,7 +265,7 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
     double along[3];  // the corners' coordinates along axis c
 #pragma unroll
     for (int i = 0; i < kVertices; ++i) {
-      const std::uint32_t v = level.vertex(t, turned(i));
+      const std::uint32_t v = level.vertex(t, seen_from(c, i));
       if (i % 3 == 0) wanted |= has_wanted_state(states, v, 0);
       const Vec3d p = level.mesh.positions[v];
       image[i] = plane.image(p);
@@ -293,6 +297,7 @@ __global__ void survey_patches(Patches level, MoveStatesView states, SurveyedPat
   patches[t].box.lower[c] = lower;
   patches[t].box.upper[c] = upper;
   patches[t].marks[c] = static_cast<std::uint8_t>(marks | (wanted ? SurveyedPatch::kWanted : 0));
+  if (c == 0) patches[t].marks[3] = 0;
 }
 
 // Notes which corners of patches have stars, when all fans have been judged; `fans` is null if none
@@ -322,7 +327,7 @@ __global__ void renew_fans(Patches level, const std::uint32_t* listed,
   FanPoint image[Patches::kVertices];
 #pragma unroll
   for (int k = 0; k < Patches::kVertices; ++k) {
-    image[k] = plane.image(level.mesh.positions[level.vertex(t, k / 3 * 3 + (k % 3 + c) % 3)]);
+    image[k] = plane.image(level.mesh.positions[level.vertex(t, seen_from(c, k))]);
   }
   std::uint8_t& marks = patches[t].marks[c];
   const unsigned before = marks, now = judge_in_fan<Patches>(plane, image);

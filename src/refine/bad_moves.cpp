@@ -26,10 +26,11 @@
 // Threads mark vertices while other threads read states, yet the result is always the same. Marking
 // turns `moved` into `to_undo` and nothing else, and a pass asks two questions about a state: is it
 // `just_undone`, and is it one of `moved` and `to_undo`? Neither answer changes by marking.
+// Of threads that mark one vertex, one lists it; so the order of the list depends on the threads,
+// but not what is in it, and callers use it as a set.
 #include "refine/bad_moves.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <deque>
 #include <span>
@@ -54,7 +55,7 @@ bool is_just_undone(MoveState state) { return state == MoveState::just_undone; }
 // with this part reaches test 5 in a cell, and serves all later pairs of the cell.
 template <class Level>
 struct BadMoves<Level>::GatheredPart {
-  std::size_t part;  // of the level
+  std::size_t part;  // its number in the level
   std::array<std::uint32_t, Part::kVertices> vertex;
   PatchLanes triangles;
   std::uint32_t moved;  // mask of the triangles with a moved vertex that has not been put back
@@ -90,9 +91,9 @@ void BadMoves<Level>::want_those_with() {
 }
 
 // Makes those patches wanted of which a vertex was put back after the last pass. Only their
-// triangles have changed since, so at least one triangle of each new crossing belongs to such a
-// patch: if two others crossed then, one of them had a moved vertex, which was put back. The fans
-// of these patches have changed, too.
+// triangles have changed since. Triangles of two other patches are as the last pass saw them: if
+// they crossed, and one had a moved vertex, it marked that vertex, which was put back, so its patch
+// is among these. The fans of these patches have changed, too.
 template <class Level>
 void BadMoves<Level>::want_changed() {
   wanted_.clear();
@@ -222,8 +223,8 @@ struct BadMoves<Level>::CellPatches {
   std::span<const std::uint32_t> listed;
   BoxLanes boxes;
   std::vector<std::uint8_t> begins;  // bit a: the cell is the first one of the patch along axis a
-  // By block of BoxLanes::kLanes patches, a bit for each: whether this pass must test the patch.
-  std::vector<std::uint32_t> must_test;
+  // By block of BoxLanes::kLanes patches, a bit for each: whether the patch is wanted.
+  std::vector<std::uint32_t> wanted;
   SharedStars stars;
   std::vector<PatchOutline> outlines;  // made when the first pair needs them
   std::vector<std::uint8_t> has_outline;
@@ -239,7 +240,7 @@ struct BadMoves<Level>::CellPatches {
     const std::size_t count = patches.size();
     boxes.resize(count);
     stars.resize(count);
-    must_test.assign(count / BoxLanes::kLanes + 1, 0);
+    wanted.assign(count / BoxLanes::kLanes + 1, 0);
     has_outline.assign(kParts * count, 0);
     slot.assign(kParts * count, 0);
     gathered_count = 0;
@@ -253,7 +254,7 @@ struct BadMoves<Level>::CellPatches {
   }
 };
 
-// Takes the boxes of the patches of a cell, which of them must be tested, and which of their
+// Takes the boxes of the patches of a cell, which of them are wanted, and which of their
 // corners have stars. Returns a length (Å) by which any two vertices of these patches differ at
 // most along each axis. This is the sum of the three sides of the box around all boxes; length_of()
 // adds the rounding of the boxes to float32.
@@ -264,11 +265,11 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) {
   here.take(listed);
   std::array<float, 3> lower = grid_->box_of_patch(listed[0]).lower, upper = lower;
   for (std::size_t j = 0; j < listed.size(); ++j) {
-    const CellBox& box = grid_->box_of_patch(listed[j]);
+    const PatchBox& box = grid_->box_of_patch(listed[j]);
     const PatchGrid::Place first = grid_->place_of(box.lower);
     here.boxes.set(j, box);
     if (tests_all_pairs() || wanted_[listed[j]]) {
-      here.must_test[j / BoxLanes::kLanes] |= 1u << j % BoxLanes::kLanes;
+      here.wanted[j / BoxLanes::kLanes] |= 1u << j % BoxLanes::kLanes;
     }
     if constexpr (kHasFans) here.stars.set(j, fans_, level_.corners(listed[j]));
     int begins = 0;
@@ -283,8 +284,9 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) {
   // its ends are infinite. Every comparison with a NaN fails: so no plane keeps patches apart then,
   // and all pairs are tested.
   double reach = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis)
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     reach += PatchGrid::length_of(lower[axis], upper[axis]);
+  }
   return reach;
 }
 
@@ -377,14 +379,14 @@ void BadMoves<Level>::mark_crossed(std::size_t cell) {
   if (count == 0) return;
   here.reach = take_boxes(cell, here);
   for (std::size_t i = 0; i < count; ++i) {
-    const bool must_test = (here.must_test[i / BoxLanes::kLanes] >> i % BoxLanes::kLanes & 1) != 0;
+    const bool is_wanted = (here.wanted[i / BoxLanes::kLanes] >> i % BoxLanes::kLanes & 1) != 0;
     // A patch is tested with itself in its own first cell.
-    if (must_test && here.begins[i] == kAllAxes) mark_within(i, here);
+    if (is_wanted && here.begins[i] == kAllAxes) mark_within(i, here);
     for (std::size_t first = 0; first < i; first += BoxLanes::kLanes) {
-      std::uint32_t wanted = must_test ? 0xffu : here.must_test[first / BoxLanes::kLanes];
-      if (first + BoxLanes::kLanes > i) wanted &= (1u << (i - first)) - 1;
-      if (wanted == 0) continue;
-      std::uint32_t near = wanted & here.boxes.overlapping(i, first);
+      std::uint32_t tested = is_wanted ? 0xffu : here.wanted[first / BoxLanes::kLanes];
+      if (first + BoxLanes::kLanes > i) tested &= (1u << (i - first)) - 1;
+      if (tested == 0) continue;
+      std::uint32_t near = tested & here.boxes.overlapping(i, first);
       if (kHasFans && near != 0) near &= ~here.stars.shared(i, first);
       for (; near != 0; near &= near - 1) {
         const std::size_t j = first + static_cast<std::size_t>(std::countr_zero(near));

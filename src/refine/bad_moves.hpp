@@ -44,7 +44,8 @@ class BadMoves {
     if (options.crossings == Crossings::allow) return;
     grid_.emplace(level);
     dirty_.emplace(grid_->cell_count());
-    // If few vertices have moved, few cells have a pair to test, and are worth being found.
+    // If few vertices have moved, few cells have a pair to test, and are worth being found. An
+    // eighth is a guess.
     tests_all_ = moved >= move_states.size() / 8;
     if constexpr (kHasFans) {
       if (tests_all_) fans_ = PatchFans(level);
@@ -53,9 +54,10 @@ class BadMoves {
 
   // One pass: changes the state of every vertex with a bad move from MoveState::moved to
   // MoveState::to_undo, and returns the items of these vertices in the level's loop over the
-  // handled ones. The first call checks all triangles. A later call checks only the triangles with
-  // a vertex that went back after the call before, whose item that call returned, and those that
-  // share a cell with them: all others are as that call left them.
+  // handled ones; the list is valid until the next call. The first call checks all triangles.
+  // Precondition of a later one: exactly the vertices that the call before returned were put back,
+  // and have the state MoveState::just_undone. It checks only the triangles of patches with such a
+  // vertex, and pairs with one of these: all others are as that call left them.
   const std::vector<std::size_t>& mark();
 
  private:
@@ -96,7 +98,7 @@ class BadMoves {
   ChosenIndices wanted_;                // patches of which this pass tests all pairs
   std::optional<ChosenIndices> dirty_;  // cells of grid_ with such a patch
   bool tests_all_ = false;              // whether the first pass tests all pairs
-  PatchFans fans_;                      // empty if it does not
+  PatchFans fans_;                      // of a level with midpoints if it does, else empty
   SharedList marked_;                   // items of vertices that the last pass has marked
   int pass_ = 0;                        // passes done
 };
@@ -123,22 +125,22 @@ std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
   const std::uint64_t moved = sum_all(move_states.size(), count_moved);
   if (moved == 0) return 0;
   BadMoves<Level> bad(spheres, level, move_states, moved, options);
-  std::vector<std::size_t> before;
+  std::vector<std::size_t> previous;
   std::uint64_t total = 0;
   for (;;) {
     const std::vector<std::size_t>& marked = bad.mark();
     if (marked.empty()) return total;
     // The pass that has just ended has checked the triangles around the vertices that were put back
     // before it, so nothing is left to check.
-    for_all(before.size(), [&](std::size_t i) {
-      move_states[*level.handled_by_item(before[i])] = MoveState::stayed;
+    for_all(previous.size(), [&](std::size_t i) {
+      move_states[*level.handled_by_item(previous[i])] = MoveState::stayed;
     });
     for_all(marked.size(), [&](std::size_t i) {
       move_states[*level.handled_by_item(marked[i])] = MoveState::just_undone;
       restore(marked[i]);
     });
     total += marked.size();
-    before = marked;
+    previous = marked;
   }
 }
 

@@ -26,7 +26,7 @@ class BoxLanes {
     }
   }
 
-  void set(std::size_t i, const CellBox& box) {
+  void set(std::size_t i, const PatchBox& box) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lower_[axis][i] = box.lower[axis];
       upper_[axis][i] = box.upper[axis];

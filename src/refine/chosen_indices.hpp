@@ -12,7 +12,7 @@
 
 namespace vdwmesh {
 
-// Numbers to which all threads append.
+// A list of numbers to which several threads append at the same time.
 class SharedList {
  public:
   void append(std::size_t number) { parts_.local().push_back(number); }
@@ -40,6 +40,7 @@ class ChosenIndices {
   // Of the indices below `count`, none is chosen at first.
   explicit ChosenIndices(std::size_t count) : is_chosen_(count, 0) {}
 
+  // No thread may choose meanwhile.
   bool operator[](std::size_t i) const { return is_chosen_[i] != 0; }
   // Chooses an index, and returns whether it had not been chosen before.
   bool choose(std::size_t i) {
@@ -49,6 +50,7 @@ class ChosenIndices {
     list_.append(i);
     return true;
   }
+  // All that were chosen. No thread may choose meanwhile.
   const std::vector<std::size_t>& list() { return list_.all(); }
   void clear() {
     for (const std::size_t i : list()) is_chosen_[i] = 0;

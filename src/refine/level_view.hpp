@@ -30,7 +30,9 @@
 //   handled_by_item(item)  the vertex that turns up at index `item` of this loop, counted from
 //                          first_handled(); empty if none does
 //   item_of(t, i)          the item at which vertices(t)[i] turns up. Precondition: it is handled
-//   kKnowsPatches          whether there is patches_at(item): the two patches that have the vertex
+//   kKnowsPatches          whether there is patches_at(item): the two patches that have the vertex,
+//   one
+//                          patch twice if the edge lies inside it
 #pragma once
 
 #include <algorithm>
@@ -78,7 +80,7 @@ struct Midpoints {
   static constexpr bool kStartsBetweenCorners = true;
   using Part = Midpoints;
   static constexpr std::size_t kParts = 1;
-  const IndexedMesh& parent;          // with `opposite`
+  const IndexedMesh& parent;          // closed, with `opposite`
   const Buffer<std::uint32_t>& edge;  // by half-edge of the parent: the number of its edge
   const IndexedMesh& mesh;            // its vertices: the parent's, then one midpoint per edge
 
@@ -144,21 +146,22 @@ struct DividedMidpoints : Midpoints {
 
   std::size_t patches() const { return parent.triangle_count() / kParts; }
   // The vertices of a part, as indices into those of the patch.
-  static constexpr std::array<int, 6> part(int part) {
+  static constexpr std::array<int, 6> vertices_of_part(int part) {
     if (part == 3) return {3, 4, 5, 12, 13, 14};
     const int before = (part + 2) % 3;
     return {part, 3 + part, 3 + before, 6 + part, 12 + before, 9 + before};
   }
   static constexpr std::array<int, 3> triangle(int child) {
-    const std::array<int, 6> vertex = part(child / 4);
+    const std::array<int, 6> vertex = vertices_of_part(child / 4);
     std::array<int, 3> corner{};
     for (std::size_t k = 0; k < 3; ++k) {
       corner[k] = vertex[static_cast<std::size_t>(child_corner(child % 4, static_cast<int>(k)))];
     }
     return corner;
   }
-  // Corners are the first vertices of the parent. Its parent was closed, with three edges for two
-  // triangles, and got a midpoint on each.
+  // The number of vertices that may be corners: those of the parent's parent, which come first in
+  // the parent. Precondition: the parent's parent is closed. It then has three edges for two
+  // triangles, and the parent has a midpoint on each.
   std::size_t corner_vertices() const { return parent.vertex_count() - 3 * patches() / 2; }
   Triangle corners(std::size_t t) const {
     const Triangle* const child = &parent.triangles[4 * t];

@@ -14,7 +14,7 @@ namespace vdwmesh {
 // In single precision, Å, relative to the origin of the grid that has them (patch_grid.hpp), by
 // axis and part.
 struct PartBoxes {
-  alignas(16) float lower[3][4], upper[3][4];
+  float lower[3][4], upper[3][4];
 
   // Bit 4 a + b tells whether part a of this patch and part b of the other one have boxes with a
   // point in common.

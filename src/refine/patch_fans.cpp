@@ -12,16 +12,16 @@ VDWMESH_INLINE LanePoint directions_at(const Buffer<Vec3f>& direction, const Tri
   return at_corners(direction[corner[0]], direction[corner[1]], direction[corner[2]]);
 }
 
-VDWMESH_INLINE StarFans::Piece judge(const Midpoints& level, std::size_t t,
-                                     const Buffer<Vec3f>& direction) {
+VDWMESH_INLINE StarFans::Judgement judge(const Midpoints& level, std::size_t t,
+                                         const Buffer<Vec3f>& direction) {
   const Buffer<Vec3d>& p = level.mesh.positions;
   const auto v = level.vertices(t);
   return judge_patch(at_corners(p[v[0]], p[v[1]], p[v[2]]), at_corners(p[v[3]], p[v[4]], p[v[5]]),
                      directions_at(direction, level.corners(t)));
 }
 
-VDWMESH_INLINE StarFans::Piece judge(const DividedMidpoints& level, std::size_t t,
-                                     const Buffer<Vec3f>& direction) {
+VDWMESH_INLINE StarFans::Judgement judge(const DividedMidpoints& level, std::size_t t,
+                                         const Buffer<Vec3f>& direction) {
   const Buffer<Vec3d>& p = level.mesh.positions;
   const auto v = level.vertices(t);
   const auto kind = [&](std::size_t i) { return at_corners(p[v[i]], p[v[i + 1]], p[v[i + 2]]); };
@@ -33,10 +33,10 @@ VDWMESH_INLINE StarFans::Piece judge(const DividedMidpoints& level, std::size_t 
 
 template <class Level>
 void PatchFans::judge_all(const Level& level) {
-  pieces_.resize(level.patches());
+  judgements_.resize(level.patches());
   for_all(level.patches(), [&](std::size_t t) {
-    pieces_[t] = judge(level, t, direction_);
-    fans_.add(level.corners(t), pieces_[t]);
+    judgements_[t] = judge(level, t, direction_);
+    fans_.add(level.corners(t), judgements_[t]);
   });
 }
 
@@ -54,16 +54,14 @@ PatchFans::PatchFans(const DividedMidpoints& level) : fans_(level.corner_vertice
   judge_all(level);
 }
 
-void PatchFans::renew(const Midpoints& level, std::size_t patch) {
-  const StarFans::Piece now = judge(level, patch, direction_);
-  fans_.replace(level.corners(patch), pieces_[patch], now);
-  pieces_[patch] = now;
+template <class Level>
+void PatchFans::renew(const Level& level, std::size_t patch) {
+  const StarFans::Judgement now = judge(level, patch, direction_);
+  fans_.replace(level.corners(patch), judgements_[patch], now);
+  judgements_[patch] = now;
 }
 
-void PatchFans::renew(const DividedMidpoints& level, std::size_t patch) {
-  const StarFans::Piece now = judge(level, patch, direction_);
-  fans_.replace(level.corners(patch), pieces_[patch], now);
-  pieces_[patch] = now;
-}
+template void PatchFans::renew(const Midpoints&, std::size_t);
+template void PatchFans::renew(const DividedMidpoints&, std::size_t);
 
 }  // namespace vdwmesh

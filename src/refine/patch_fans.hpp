@@ -18,21 +18,25 @@ class PatchFans {
   explicit PatchFans(const Midpoints& level);
   explicit PatchFans(const DividedMidpoints& level);
 
-  bool empty() const { return pieces_.empty(); }
+  bool empty() const { return judgements_.empty(); }
   bool is_star(std::uint32_t vertex) const { return fans_.is_star(vertex); }
 
   // Judges a patch anew after vertices of it were put back. Several threads may renew different
   // patches. Until all that have changed are renewed, is_star() may be wrong.
-  void renew(const Midpoints& level, std::size_t patch);
-  void renew(const DividedMidpoints& level, std::size_t patch);
+  template <class Level>
+  void renew(const Level& level, std::size_t patch);
 
  private:
   template <class Level>
   void judge_all(const Level& level);
 
   StarFans fans_;
-  Buffer<Vec3f> direction_;         // by vertex, the same in every pass
-  Buffer<StarFans::Piece> pieces_;  // by patch
+  // By corner; the same in every pass, because all pieces of a fan need one map.
+  Buffer<Vec3f> direction_;
+  Buffer<StarFans::Judgement> judgements_;  // by patch
 };
+
+extern template void PatchFans::renew(const Midpoints&, std::size_t);
+extern template void PatchFans::renew(const DividedMidpoints&, std::size_t);
 
 }  // namespace vdwmesh

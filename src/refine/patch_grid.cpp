@@ -7,12 +7,14 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "core/blocks.hpp"
+#include "core/lanes.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -48,7 +50,7 @@ VDWMESH_INLINE FloatPoint relative(const Vec3d& p, const Vec3d& origin) {
   return __builtin_convertvector(from, FloatPoint);
 }
 
-VDWMESH_INLINE CellBox box_of(const FloatBounds& bounds) {
+VDWMESH_INLINE PatchBox box_of(const FloatBounds& bounds) {
   return {{bounds.lower[0], bounds.lower[1], bounds.lower[2]},
           {bounds.upper[0], bounds.upper[1], bounds.upper[2]}};
 }
@@ -91,7 +93,7 @@ PatchGrid::Extent PatchGrid::find_boxes(const Level& level) {
     if constexpr (Level::kParts > 1) {
       for (std::size_t part = 0; part < Level::kParts; ++part) {
         FloatBounds of_part{kAllFar, -kAllFar};
-        for (const int i : Level::part(static_cast<int>(part))) {
+        for (const int i : Level::vertices_of_part(static_cast<int>(part))) {
           include(of_part, {place[i], place[i]});
         }
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -120,8 +122,9 @@ PatchGrid::Extent PatchGrid::find_boxes(const Level& level) {
 // Sets the place and the width of the cells. The width starts at kCellWidth times the mean width of
 // a patch's box and grows until the grid has at most two cells per patch, or 64. The loop ends,
 // since the width grows by 1 % at least in each turn, and a grid with cells wider than the box of
-// all patches has one cell. Sides of that box are finite: single precision may have made an end
-// infinite, of which the cells are the first or the last ones.
+// all patches has one cell. Ends of that box that are infinite in single precision are moved to the
+// largest float, so that its sides are finite; cell_along() puts what lies beyond into the first or
+// the last cell. Only meshes larger than check_mesh() lets through have such ends.
 void PatchGrid::choose_cells(const Extent& extent) {
   constexpr double kMost = std::numeric_limits<float>::max();
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -10,15 +10,16 @@
 #include <limits>
 #include <span>
 
+#include "core/buffer.hpp"
 #include "refine/level_view.hpp"
 #include "refine/part_boxes.hpp"
-#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 
-// A box in single precision, Å, relative to the origin of the grid. All coordinates are rounded
+// A box in single precision, Å, relative to the origin of the grid, the first vertex of its first
+// patch. All coordinates are rounded
 // alike, which keeps their order: boxes of which these have no point in common have none either.
-struct CellBox {
+struct PatchBox {
   std::array<float, 3> lower, upper;
 };
 
@@ -43,15 +44,17 @@ class PatchGrid {
   std::span<const std::uint32_t> patches_in(std::size_t cell) const {
     return {patches_.data() + start_[cell], patches_.data() + start_[cell + 1]};
   }
-  const CellBox& box_of_patch(std::size_t patch) const { return boxes_[patch]; }
+  const PatchBox& box_of_patch(std::size_t patch) const { return boxes_[patch]; }
   // The boxes of the parts of a patch. Precondition: it has several. A midpoint starts between
   // corners of its part, which never move, so the box of the part has it before and after its move.
   const PartBoxes& boxes_of_parts(std::size_t patch) const { return part_boxes_[patch]; }
   // At least the distance (Å) of two coordinates of which these are the ones of boxes.
   static double length_of(float lower, float upper) {
-    constexpr double kRounding = 0x1p-22;
+    // A coordinate was rounded to a double and to a float: by less than 2^-22 of the float's size,
+    // or 2^-148 Å if that is tiny.
+    constexpr double kRounding = 0x1p-22, kTiny = 0x1p-148;
     const double from = static_cast<double>(lower), to = static_cast<double>(upper);
-    return to - from + kRounding * (std::abs(from) + std::abs(to));
+    return to - from + kRounding * (std::abs(from) + std::abs(to)) + kTiny;
   }
   // The numbers of a cell along x, y, z.
   using Place = std::array<std::uint32_t, 3>;
@@ -82,8 +85,9 @@ class PatchGrid {
   struct Extent;
 
   // The index, along one axis, of the cell that holds the coordinate. One between the ends of a box
-  // gets an index between those of the ends. The minima catch rounding at the end of the grid, and
-  // the maximum what is no number.
+  // gets an index between those of the ends. The minima catch rounding at the end of the grid and
+  // infinity; the maximum catches minus infinity and, as 0 comes first, NaN, which is 0 times
+  // infinity if there is one cell.
   std::uint32_t cell_along(std::size_t axis, float coordinate) const {
     const double place = (static_cast<double>(coordinate) - lower_[axis]) * per_cell_;
     return std::min(static_cast<std::uint32_t>(std::min(std::max(0.0, place), kMostCells)),
@@ -104,7 +108,7 @@ class PatchGrid {
   std::array<double, 3> sides_{0, 0, 0};              // of the box around all boxes, Å
   double cell_ = 1, per_cell_ = 1;                    // width of a cell, Å, and its inverse
   std::array<std::uint32_t, 3> cells_{1, 1, 1};       // number of cells along x, y, z
-  Buffer<CellBox> boxes_;                             // by patch
+  Buffer<PatchBox> boxes_;                            // by patch
   Buffer<PartBoxes> part_boxes_;                      // by patch, if patches have several parts
   // Compressed sparse rows: cell c lists patches_[start_[c]] to patches_[start_[c + 1] - 1].
   Buffer<std::uint32_t> start_;

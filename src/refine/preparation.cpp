@@ -16,7 +16,9 @@
 #include "core/errors.hpp"
 #include "extract/field_list.hpp"
 #include "refine/half_edges.hpp"
+#include "refine/part_boxes.hpp"
 #include "refine/patch_grid.hpp"
+#include "surface/star_fans.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -35,8 +37,8 @@ void check_options(const RefineOptions& o) {
 
 // Indices have 32 bits. The half-edges of each level that is subdivided further must fit them, and
 // the vertices of each level. If crossings are looked for, so must the triangles of the last level,
-// because they are entries of the search grid. Finally the memory limit is checked; the error names
-// the number of subdivisions that would fit.
+// because a device lists pairs of them by numbers of 32 bits (cuda/refine/device_crossings.cu).
+// Finally the memory limit is checked; the error names the number of subdivisions that would fit.
 void check_limits(std::uint64_t spheres, MeshSize size, const RefineOptions& o,
                   TriangleLabels labels) {
   const MeshSize given = size;
@@ -179,12 +181,16 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
   // and the starts of its cells: each of its levels has at most 4096 cells, or 8 per sphere of the
   // level if that is more.
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
-  const std::uint64_t patches = subdivisions < 2 ? triangles : parent.triangles / 4;
-  const std::uint64_t grid =
-      patches * (24 + 2 * (4 + 1) + 3 * 4 + 1 + (subdivisions < 2 ? 0 : sizeof(PartBoxes)));
-  // `fans`: state and direction of the fan of each corner of patches, and two bytes per patch.
-  const std::uint64_t corners = subdivisions < 2 ? vertices : parent.vertices / 4;
-  const std::uint64_t fans = corners * (sizeof(std::uint64_t) + sizeof(Vec3f)) + 2 * patches;
+  // Its triangles are the patches, and its vertices their corners.
+  const MeshSize patched = subdivided(given, std::max(0, subdivisions - 2));
+  const std::uint64_t of_parts = subdivisions < 2 ? 0 : sizeof(PartBoxes);
+  const std::uint64_t grid = patched.triangles * (24 + 2 * (4 + 1) + 3 * 4 + 1 + of_parts);
+  // `fans`: state and direction of the fan of each corner of patches, and what is known of each
+  // patch. Level 0 has none. Lists of patches and cells that a pass has chosen are left out.
+  const std::uint64_t fans = subdivisions == 0
+                                 ? 0
+                                 : patched.vertices * (sizeof(std::uint64_t) + sizeof(Vec3f)) +
+                                       patched.triangles * sizeof(StarFans::Judgement);
   const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
   return meshes + marks + grid + fans + list;

@@ -138,6 +138,8 @@ StructureFormat format_of_file(const std::filesystem::path& path) {
     refuse(path, fmt::format("there is no such file; name a structure file ({}), or a built-in "
                              "structure (--sample ubiquitin, --sample bpti)",
                              kReadable));
+  if (std::filesystem::is_directory(path, error))
+    refuse(path, "is a folder; name one structure file, or give the folder to vdwmesh batch");
   return format_of_name(path);
 }
 

@@ -14,14 +14,14 @@
 
 namespace vdwmesh {
 
-VDWMESH_INLINE StarFans::Piece piece_of(std::uint32_t holds, const LaneBits& crosses) {
+VDWMESH_INLINE StarFans::Judgement judgement_of(std::uint32_t holds, const LaneBits& crosses) {
   return {static_cast<std::uint8_t>(holds), static_cast<std::uint8_t>(bits_of(crosses))};
 }
 
 // Judges all three corners of a patch at once, one in each lane. `corner` and `middle` are the
 // positions of the corners and of the midpoints, `direction` the directions of the corners' fans.
-VDWMESH_INLINE StarFans::Piece judge_patch(const LanePoint& corner, const LanePoint& middle,
-                                           const LanePoint& direction) {
+VDWMESH_INLINE StarFans::Judgement judge_patch(const LanePoint& corner, const LanePoint& middle,
+                                               const LanePoint& direction) {
   FanLanes fan(corner, direction);
   const PlaneLanes next = fan.image(of_next(corner)), previous = fan.image(of_previous(corner)),
                    to_next = fan.image(middle), across = fan.image(of_next(middle)),
@@ -33,7 +33,7 @@ VDWMESH_INLINE StarFans::Piece judge_patch(const LanePoint& corner, const LanePo
     least = other < least ? other : least;
   }
   const LaneBits crosses = FanLanes::crosses(next, across) | FanLanes::crosses(across, previous);
-  return piece_of(fan.holds(least), crosses);
+  return judgement_of(fan.holds(least), crosses);
 }
 
 // The places of the vertices of a patch whose children are divided, by kind and corner: the corners
@@ -45,8 +45,8 @@ struct TwiceDivided {
 
 // The same for a patch whose children are divided. The quarters of an edge might cross the axis
 // twice; then it is not judged.
-VDWMESH_INLINE StarFans::Piece judge_twice_divided(const TwiceDivided& at,
-                                                   const LanePoint& direction) {
+VDWMESH_INLINE StarFans::Judgement judge_twice_divided(const TwiceDivided& at,
+                                                       const LanePoint& direction) {
   FanLanes fan(at.corner, direction);
   const auto images = [&](const LanePoint& p, PlaneLanes(&image)[3]) {
     image[0] = fan.image(p);
@@ -78,7 +78,7 @@ VDWMESH_INLINE StarFans::Piece judge_twice_divided(const TwiceDivided& at,
     twice |= once & crosses;
     once |= crosses;
   }
-  return piece_of(fan.holds(least) & ~bits_of(twice), once);
+  return judgement_of(fan.holds(least) & ~bits_of(twice), once);
 }
 
 }  // namespace vdwmesh

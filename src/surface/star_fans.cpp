@@ -139,9 +139,10 @@ StarFans fans_of_divided(const IndexedMesh& mesh) {
   StarFans fans(vertices);
   for_all(patches, [&](std::size_t t) {
     const Triangle v = corners_of_patch(mesh, t), &m = midpoints_of_patch(mesh, t);
-    fans.add(
-        v, judge_patch(at_corners(p[v[0]], p[v[1]], p[v[2]]), at_corners(p[m[0]], p[m[1]], p[m[2]]),
-                       at_corners(direction[v[0]], direction[v[1]], direction[v[2]])));
+    const LanePoint corner = at_corners(p[v[0]], p[v[1]], p[v[2]]),
+                    middle = at_corners(p[m[0]], p[m[1]], p[m[2]]);
+    fans.add(v, judge_patch(corner, middle,
+                            at_corners(direction[v[0]], direction[v[1]], direction[v[2]])));
   });
   return fans;
 }

@@ -41,7 +41,7 @@
 
 namespace vdwmesh {
 
-// The vertices whose fans are known to be stars. Pieces are added by several threads.
+// The vertices whose fans are known to be stars. Pieces are added and replaced by several threads.
 class StarFans {
  public:
   StarFans() = default;  // none
@@ -50,36 +50,36 @@ class StarFans {
   // What is known of a piece at each of the three vertices that it belongs to. Bit k of `holds`
   // says that at vertex k all areas and turns are positive, bit k of `crosses` that its border
   // crosses the positive x axis.
-  struct Piece {
+  struct Judgement {
     std::uint8_t holds, crosses;
   };
 
-  void add(const Triangle& vertex, const Piece& piece) {
-    for (std::size_t k = 0; k < 3; ++k) change(vertex[k], state_of(piece, k));
+  void add(const Triangle& vertex, const Judgement& judgement) {
+    for (std::size_t k = 0; k < 3; ++k) change(vertex[k], state_of(judgement, k));
   }
-  // Takes a piece that was added for another one from now on.
-  void replace(const Triangle& vertex, const Piece& before, const Piece& now) {
+  // Replaces the judgement of a piece that was added.
+  void replace(const Triangle& vertex, const Judgement& before, const Judgement& now) {
     for (std::size_t k = 0; k < 3; ++k) {
       change(vertex[k], state_of(now, k) - state_of(before, k));
     }
   }
 
   bool empty() const { return state_.empty(); }
-  // Whether all pieces around the vertex are one fan, which is a star.
-  bool is_star(std::uint32_t vertex) const {
-    return vertex < kNone && vertex < state_.size() && state_[vertex] == 1;
-  }
+  // Whether all pieces around the vertex are one fan, which is a star. Precondition: it is one of
+  // the vertices, or kNone or the number after that.
+  bool is_star(std::uint32_t vertex) const { return vertex < kNone && state_[vertex] == 1; }
 
   // This number and the next one are no vertex of a star.
   static constexpr std::uint32_t kNone = 0xfffffffeu;
 
  private:
   // Of a vertex, the number of pieces that cross the axis, plus kFailure for each that proves
-  // nothing. There are fewer than 2^32 pieces.
+  // nothing, which does not count as crossing. Both numbers are below 2^32, for a mesh has fewer
+  // corners of patches. Differences may wrap, and the sums are right all the same.
   using State = std::uint64_t;
   static constexpr State kFailure = State{1} << 32;
-  static State state_of(const Piece& piece, std::size_t k) {
-    return (piece.holds >> k & 1) == 0 ? kFailure : State{piece.crosses} >> k & 1;
+  static State state_of(const Judgement& judgement, std::size_t k) {
+    return (judgement.holds >> k & 1) == 0 ? kFailure : State{judgement.crosses} >> k & 1;
   }
   void change(std::uint32_t vertex, State by) {
     if (by != 0) std::atomic_ref(state_[vertex]).fetch_add(by, std::memory_order_relaxed);

@@ -224,6 +224,7 @@ class Limits(ProgramTest):
             ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.25"),
             ("report", UBIQUITIN, "--spacing", "0.4"),
             ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--mesher", "exact", "--edge-length", "0.3"),
+            ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--surface", "excluded", "--edge-length", "0.5"),
             *(("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.2", "--field", field)
               for field in ("blinn", "soft", "inverse-squared")),
             ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.2", "--preset", "thesis",
@@ -351,7 +352,7 @@ class FirstMistakes(ProgramTest):
 
     def test_verbs(self):
         self.says(next_step="vdwmesh --help says what each does")
-        self.says("help", next_step="vdwmesh --help says what each does")
+        self.says("helps", next_step="vdwmesh --help says what each does")
         self.says("repot", UBIQUITIN, next_step="did you mean report?")
         self.says("bench", next_step="vdwmesh bench --help")
         self.says("1UBQ.pdb", next_step=", for example vdwmesh exact 1UBQ.pdb;")
@@ -366,6 +367,7 @@ class FirstMistakes(ProgramTest):
         self.says("exact", self.file("a.xtc", "x"), next_step="give the structure file")
         self.says("exact", self.file("a.pdb", "<!doctype html>"), next_step="get the file itself")
         self.says("exact", "-", next_step="needs --format")
+        self.says("exact", self.folder, next_step="give the folder to vdwmesh batch")
         self.says("exact", UBIQUITIN, "more.pdb", next_step="; vdwmesh batch takes many structures")
         self.says("exact", "--sample", "bpti", UBIQUITIN, next_step="give only one of them")
         self.says("batch", self.folder / "none", next_step="name a structure file, a folder, a tar archive or a list")
@@ -615,3 +617,9 @@ class Backends(ProgramTest):
             self.assertEqual(result.returncode, 0)
             self.assertIn("vdwmesh", result.stdout)
             self.assertEqual(result.stderr, "")
+        self.assertEqual(run("help", "report").stdout, run("report", "--help").stdout)
+        self.assertEqual(run("help").stdout, run("--help").stdout)
+
+    def test_radius_sets_in_letters_of_either_case(self):
+        text = run("exact", UBIQUITIN, "--radii", "ProtOr", "--threads", "1").stdout
+        self.assertIn("protor, probe", text)

@@ -82,8 +82,8 @@ TEST_F(ExactMeshParity, RandomAndNearlyDegenerateSets) {
   EXPECT_GT(stats.left_looks, 0u);
 }
 
-// How many batches a device needs at least for so many patches. It takes what was sent whenever it
-// has nothing to do, so there may be more, as many as its speed beside the host's makes them.
+// The fewest batches in which a device can mesh so many patches. There may be more: an idle device
+// takes what is there, without waiting for a full batch.
 std::uint64_t least_batches(std::uint64_t patches, std::uint64_t memory) {
   PatchSizes smallest{};
   smallest.most_points = 64;  // sizes_of() gives no patch fewer

@@ -80,7 +80,7 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
 // every cell at this edge, in the neighbour too. The brick search keeps every brick with
 // surface, so the neighbour is in the list. Throws InternalError if it is not: using another
 // brick instead would silently produce a wrong mesh. Host only; the device has a search of its
-// own in emit_triangles.cu.
+// own in triangle_neighbours.cu.
 inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
   const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};

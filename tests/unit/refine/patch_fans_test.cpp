@@ -25,6 +25,7 @@ namespace {
 struct DividedTwice {
   IndexedMesh parent, mesh;
   Buffer<std::uint32_t> edge;
+  std::size_t given = 0;  // vertices of the mesh that was divided
 
   explicit DividedTwice(double size) {
     const SphereSet spheres({{{0, 0, 0}, 1}, {{1.1, 0.2, 0.1}, 0.8}});
@@ -33,6 +34,7 @@ struct DividedTwice {
     RefineOptions options;
     options.subdivisions = 2;
     mesh = prepare_mesh(make_cpu_extractor()->extract(spheres, extract).mesh, options);
+    given = mesh.vertex_count();
     std::uint64_t draw = 5;
     const auto shift = [&] {
       return size * (static_cast<double>(split_mix(draw++) >> 11) * 0x1p-53 - 0.5);
@@ -81,20 +83,47 @@ TEST(FansOfDividedPatches, HaveNoCrossingsIfTheyAreStars) {
     const DividedTwice divided(size);
     const DividedMidpoints level = divided.level();
     const PatchFans fans(level);
-    for (std::uint32_t v = 0; v < divided.parent.vertex_count(); ++v) {
+    ASSERT_EQ(level.corner_vertices(), divided.given);
+    for (std::uint32_t v = 0; v < level.corner_vertices(); ++v) {
       const std::vector<std::size_t> fan = triangles_of_fan(level, v);
       bool any = false;
       for (std::size_t i = 0; i < fan.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j) any = any || cross(divided.mesh, fan[i], fan[j]);
       }
       ASSERT_FALSE(any && fans.is_star(v)) << v << " thrown by " << size;
-      ASSERT_FALSE(fan.empty() && fans.is_star(v)) << v << " is no corner";
       stars += fans.is_star(v);
       crossed += any;
     }
   }
   EXPECT_GT(stars, 30u);
   EXPECT_GT(crossed, 30u);
+}
+
+constexpr Vec3d kFar{0.4, -0.3, 0.5};
+
+// Midpoints that are put back change the fans of both patches that have them, and no others.
+TEST(FansOfDividedPatches, AreRenewedPatchByPatch) {
+  DividedTwice divided(0.05);
+  const DividedMidpoints level = divided.level();
+  const auto is_thrown = [&](std::size_t h) { return level.handled_by_item(h) && h % 16 == 0; };
+  for (std::size_t h = 0; h < level.items(); ++h) {
+    if (is_thrown(h)) divided.mesh.positions[level.midpoint_of(h)] = level.middle_of(h) + kFar;
+  }
+  PatchFans fans(level);
+  std::vector<bool> was(level.corner_vertices());
+  for (std::uint32_t v = 0; v < was.size(); ++v) was[v] = fans.is_star(v);
+  std::size_t changed = 0;
+  for (std::size_t h = 0; h < level.items(); ++h) {
+    if (!is_thrown(h)) continue;
+    divided.mesh.positions[level.midpoint_of(h)] = level.middle_of(h);
+    for (const std::size_t patch : level.patches_at(h)) fans.renew(level, patch);
+  }
+  const PatchFans anew(level);
+  for (std::uint32_t v = 0; v < was.size(); ++v) {
+    ASSERT_EQ(fans.is_star(v), anew.is_star(v)) << v;
+    changed += fans.is_star(v) != was[v];
+  }
+  EXPECT_GT(changed, 5u);
 }
 
 // The view of a patch has the triangles of the mesh, and vertices where edges were halved.

@@ -1,5 +1,5 @@
-// The tests of four triangles at a time against the same pair by pair: boxes alike, and no pair
-// left out that triangles_cross() finds.
+// The tests of four triangles at a time, and of the boxes of four parts, against the same pair by
+// pair: boxes alike, and no pair left out that triangles_cross() finds.
 #include "refine/patch_lanes.hpp"
 
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 
 #include "core/split_mix.hpp"
 #include "refine/crossing_formulas.hpp"
+#include "refine/part_boxes.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -89,6 +90,37 @@ TEST(PatchLanes, LeavesOutNoPairThatCrosses) {
   }
   EXPECT_GT(crossing, 1000);
   EXPECT_GT(left_out, 1000) << "the tests leave out nothing";
+}
+
+// Sides of few values, so that boxes touch, lie within each other and are flat.
+PartBoxes boxes_of(Draw& draw) {
+  PartBoxes boxes{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t part = 0; part < 4; ++part) {
+      boxes.lower[axis][part] = static_cast<float>(draw.below(6));
+      boxes.upper[axis][part] = boxes.lower[axis][part] + static_cast<float>(draw.below(4));
+    }
+  }
+  return boxes;
+}
+
+TEST(PartBoxes, OverlapAsOneByOne) {
+  Draw draw(3);
+  for (int turn = 0; turn < 200; ++turn) {
+    const PartBoxes own = boxes_of(draw), other = boxes_of(draw);
+    std::uint32_t expected = 0;
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = 0; b < 4; ++b) {
+        bool meet = true;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          meet = meet && own.lower[axis][a] <= other.upper[axis][b] &&
+                 other.lower[axis][b] <= own.upper[axis][a];
+        }
+        expected |= (meet ? 1u : 0u) << (4 * a + b);
+      }
+    }
+    ASSERT_EQ(own.overlapping(other), expected) << turn;
+  }
 }
 
 }  // namespace
