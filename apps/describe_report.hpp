@@ -47,6 +47,7 @@ void describe(A& a, const ExactMeshStats& stats) {
   a("points", stats.points), a("contacts", stats.contacts), a("joins", stats.joins);
   a("euler_difference", stats.euler_difference), a("shell_difference", stats.shell_difference);
   a("pieces", stats.pieces), a("split", stats.split);
+  a("device_looks", stats.device_looks), a("left_looks", stats.left_looks);
   a("device_patches", stats.device_patches), a("left_patches", stats.left_patches);
   a("device_batches", stats.device_batches), a("returned_patches", stats.returned_patches);
   a("triangulated_balls", stats.triangulated_balls);

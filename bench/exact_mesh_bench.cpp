@@ -5,8 +5,9 @@
 //
 // A line per structure, edge length and number of threads: wall and CPU seconds (the least of three
 // runs), triangles per CPU second, the arrangement's part, and the growth of the peak memory. With
-// CUDA also the patches that the device meshed and that it left to the host, and whether the mesh
-// has the bits of the backend before it in the list.
+// CUDA also the patches that the device meshed and that it left to the host, the boundaries that it
+// looked at and that it left, and whether the mesh has the bits of the backend before it in the
+// list.
 // --rounds says how long each round of meshing took, --cgal meshes the first structure with CGAL
 // and one subdivision as well.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -113,7 +114,7 @@ IndexedMeshHash run(const std::string& path, const SphereSet& spheres, double ed
                     int threads, Backend backend, bool with_rounds) {
   constexpr int kRuns = 3;
   const std::unique_ptr<ExactMesher> mesher = make_exact_mesher(backend);
-  std::uint64_t on_device = 0, left = 0;
+  ExactMeshStats stats;
   IndexedMeshHash bits{};
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
@@ -129,8 +130,7 @@ IndexedMeshHash run(const std::string& path, const SphereSet& spheres, double ed
     if (with_rounds && i + 1 == kRuns) clock.print();
     triangles = static_cast<double>(made.mesh.triangle_count());
     arrangement = std::min(arrangement, made.stats.arrangement_seconds);
-    on_device = made.stats.device_patches;
-    left = made.stats.left_patches;
+    stats = made.stats;
     bits = hash(made.mesh);
     best = {std::min(best.wall, seconds.wall), std::min(best.cpu, seconds.cpu)};
   }
@@ -138,7 +138,10 @@ IndexedMeshHash run(const std::string& path, const SphereSet& spheres, double ed
              path.substr(path.find_last_of('/') + 1), edge_length, threads, triangles, best.wall,
              best.cpu, triangles / best.cpu, 100 * arrangement / best.wall,
              (peak_bytes() - before) / triangles);
-  if (backend == Backend::cuda) fmt::print(" cuda: {} patches, {} left", on_device, left);
+  if (backend == Backend::cuda) {
+    fmt::print(" cuda: {} patches, {} left, {} looks, {} left", stats.device_patches,
+               stats.left_patches, stats.device_looks, stats.left_looks);
+  }
   return bits;
 }
 

@@ -1,14 +1,14 @@
 // The crease-exact mesher with a CUDA device for its patches.
 //
-// The host triangulates the boundaries of all patches and settles which of their pieces are split.
-// Patches whose boundaries have come to rest go to the device in batches, as large as the free
-// memory of the device allows: a quarter of it for each. Two threads take batches in turn, each
-// with a stream of its own: while the device meshes one batch, another is packed or travels. The
-// host meshes what is left. The device keeps its patches until the host has numbered all vertices;
-// then it writes them into the mesh, part by part. A part is a run of vertices and triangles, which
-// travels to the host in one piece for each array. Once half of the memory is full of kept patches,
-// the following batches travel to the host at once, which writes their patches as its own: so the
-// mesh need not fit the device.
+// If there are many boundaries, the device looks at them first (boundary_looks.cuh). The host
+// settles which of their pieces are split. Patches whose boundaries have come to rest go to the
+// device in batches, as large as the free memory of the device allows: a quarter of it for each.
+// Two threads take batches in turn, each with a stream of its own: while the device meshes one
+// batch, another is packed or travels. The host meshes what is left. The device keeps its patches
+// until the host has numbered all vertices; then it writes them into the mesh, part by part. A part
+// is a run of vertices and triangles, which travels to the host in one piece for each array. Once
+// half of the memory is full of kept patches, the following batches travel to the host at once,
+// which writes their patches as its own: so the mesh need not fit the device.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -23,41 +23,20 @@
 #include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/fixed_blocks.hpp"
-#include "core/large_pages.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_structures.cuh"
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
+#include "cuda/mesher/batch_rooms.cuh"
+#include "cuda/mesher/boundary_looks.cuh"
 #include "cuda/mesher/mesh_patches.cuh"
 
 namespace vdwmesh {
 namespace {
 
 using mesher::GatherPlace;
-
-// An array of the host that is used for one batch after another, since the first write to a page
-// costs more than the others, on large pages. It need not be page-locked: upload_parts() and
-// download_parts() copy through page-locked memory of their own.
-template <class T>
-class KeptRoom {
- public:
-  // An array of at least `count` elements, whose values are undefined.
-  T* take(std::size_t count) {
-    if (count > size_) {
-      room_.reset();
-      room_ = std::make_unique_for_overwrite<T[]>(count);
-      advise_large_pages(room_.get(), count);
-      size_ = count;
-    }
-    return room_.get();
-  }
-  T* data() const { return room_.get(); }
-
- private:
-  std::unique_ptr<T[]> room_;
-  std::size_t size_ = 0;
-};
+using mesher::KeptRoom;
 
 // `batch` is empty, or packed, with its arrays in `input` and `sources`.
 struct HostRoom {
@@ -90,19 +69,6 @@ struct KeptName {
     return {static_cast<std::uint32_t>(packed >> 32), static_cast<std::uint32_t>(packed)};
   }
 };
-
-// Where the results of each patch go, one after another; the last place is the end.
-std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t count) {
-  std::vector<GatherPlace> places(count + 1, GatherPlace{0, 0, 0});
-  for (std::size_t i = 0; i < count; ++i) {
-    const PatchOutcome& o = outcomes[i];
-    const bool failed = o.failure != PatchFailure::none;
-    places[i + 1] = {places[i].interior + (failed ? 0 : o.interior),
-                     places[i].triangle + (failed ? 0 : o.triangles),
-                     places[i].split + (failed ? 0 : o.splits)};
-  }
-  return places;
-}
 
 // Writes to the job what became of its patch, and that the device keeps it under this name. A patch
 // that failed is left to the host.
@@ -192,7 +158,7 @@ KeptBatch mesh_batch(const PatchOrder& order, std::uint32_t number, HostRoom& ro
   PatchOutcome* const outcomes = room.outcomes.take(count);
   download_parts({{outcomes, device_outcomes.data(), device_outcomes.bytes()}}, stream);
 
-  kept.places = places_of(outcomes, count);
+  kept.places = mesher::places_of(outcomes, count);
   const GatherPlace& end = kept.places.back();
   const DeviceArray<GatherPlace> device_places(kept.places.size(), stream);
   upload_parts({{device_places.data(), kept.places.data(), device_places.bytes()}}, stream);
@@ -328,6 +294,11 @@ class CudaPatchDevice final : public PatchDevice {
     if (kept_.empty()) return;
     const QuietDeviceScope scope(device_);
     kept_.clear();
+  }
+
+  void look(const LookOrder& order) override {
+    const DeviceScope scope(device_);
+    mesher::look_at_boundaries(order, memory());
   }
 
   void mesh(const PatchOrder& order) override {

@@ -73,6 +73,10 @@ struct ExactMeshStats {
   std::uint64_t split = 0;   // pieces that had to be split after the first sampling
   // Tests of the triangulations that double precision did not decide, so exact arithmetic did.
   std::uint64_t exact_tests = 0;
+  // Boundaries that a CUDA device looked at before the host did, and those that it left to the host
+  // because double precision did not decide a test, pieces crossed, or memory was too small. Both
+  // are 0 on the CPU, and for sets that are not worth it.
+  std::uint64_t device_looks = 0, left_looks = 0;
   // Patches that a CUDA device meshed, and those that it left to the host because double precision
   // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU. How
   // many a device gets depends on the number of the host's cores (DeviceWork) and, as the batches
@@ -103,16 +107,17 @@ struct ExactMesh {
 // Meshes the boundary of the union. The labels of a vertex are the ids of the spheres it lies on,
 // ascending. The result depends on the arguments alone: every call and any number of threads give
 // the same mesh, and a permuted input permutes the labels only.
+//
 // Throws InvalidInput for an empty set, for an edge length that is not finite and positive, for a
 // least angle out of range, and if there are edge lengths by sphere, but not one for each sphere;
-// and Cancelled. Throws LimitExceeded before it takes memory beyond
-// the limit, or later if curves of the boundary lie too close to each other for every set of
-// thresholds.
+// and Cancelled. Throws LimitExceeded before it takes memory beyond the limit, or later if curves
+// of the boundary lie too close to each other for every set of thresholds.
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options = {});
 
 // mesh_union() on the CPU or on a CUDA device; make_exact_mesher() (cuda/backend.hpp) chooses. All
-// backends give the same mesh, bit by bit. The device meshes the patches once their boundaries are
-// settled; the host does the rest. mesh() throws DeviceMemoryExceeded as well.
+// backends give the same mesh, bit by bit. The device looks at the boundaries of patches first, and
+// meshes the patches once their boundaries are settled; the host does the rest. mesh() throws
+// DeviceMemoryExceeded as well.
 class ExactMesher {
  public:
   virtual ~ExactMesher() = default;

@@ -50,7 +50,7 @@ SphereSet side_by_side(unsigned seed, std::size_t sets) {
 }
 
 TEST_F(ExactMeshParity, ReferenceMolecules) {
-  std::uint64_t on_device = 0, left = 0;
+  std::uint64_t on_device = 0, left = 0, looks = 0, left_looks = 0;
   for (const char* name : {"4PTI", "1EJG", "1HH0", "1F4K", "4HHB"}) {
     const std::string file = "reference/" + std::string(name) + ".xyzr";
     VDWMESH_NEEDS_SHARED(file);
@@ -61,18 +61,25 @@ TEST_F(ExactMeshParity, ReferenceMolecules) {
                                 std::string(name) + " " + std::to_string(probe));
         on_device += stats.device_patches;
         left += stats.left_patches;
+        looks += stats.device_looks;
+        left_looks += stats.left_looks;
       }
     }
   }
-  // The device does the work: one patch in a thousand may be left out (docs/exact_mesh.md).
+  // The device does the work: one patch in a thousand may be left out, and one look in a hundred
+  // (docs/exact_mesh.md).
   EXPECT_GT(on_device, 10'000u);
   EXPECT_LE(1000 * left, on_device);
+  EXPECT_GT(looks, 10'000u);
+  EXPECT_LE(100 * left_looks, looks);
 }
 
 TEST_F(ExactMeshParity, RandomAndNearlyDegenerateSets) {
   const ExactMeshStats stats = expect_exact_parity(side_by_side(17'000'000, 96), 0.5, "recipes");
   EXPECT_GT(stats.device_patches, 0u);
   EXPECT_GT(stats.left_patches, 0u);
+  EXPECT_GT(stats.device_looks, 0u);
+  EXPECT_GT(stats.left_looks, 0u);
 }
 
 // The fewest batches in which a device can mesh so many patches. There may be more: an idle device
@@ -99,6 +106,7 @@ TEST_F(ExactMeshParity, LittleDeviceMemory) {
     const ExactMesh cuda = make_exact_mesher(Backend::cuda)->mesh(spheres, options);
     expect_same(cpu.mesh, cuda.mesh, std::to_string(memory));
     EXPECT_GT(cuda.stats.device_patches, 0u) << memory;
+    EXPECT_GT(cuda.stats.device_looks, 0u) << memory;
     EXPECT_GE(cuda.stats.device_batches, least_batches(cuda.stats.device_patches, memory));
     EXPECT_EQ(cuda.stats.returned_patches > 0, memory <= std::uint64_t{4} << 20) << memory;
   }
@@ -106,6 +114,7 @@ TEST_F(ExactMeshParity, LittleDeviceMemory) {
   const ExactMesh none = make_exact_mesher(Backend::cuda)->mesh(spheres, options);
   expect_same(cpu.mesh, none.mesh, "no memory");
   EXPECT_EQ(none.stats.device_patches, 0u);
+  EXPECT_EQ(none.stats.device_looks, 0u);
 }
 
 TEST_F(ExactMeshParity, Crowds) {

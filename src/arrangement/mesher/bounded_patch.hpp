@@ -17,18 +17,30 @@ namespace vdwmesh {
 // How much there is of a patch, and room for how many points.
 struct PatchSizes {
   std::uint32_t points, pieces, caps, through;  // of the boundary
-  std::uint32_t plane_triangles;                // of its triangulation in the plane
+  std::uint32_t plane_triangles;                // of its triangulation in the plane; 0: none yet
   std::uint32_t most_points;                    // of the boundary and inside
 
   VDWMESH_HD std::uint32_t plane_points() const { return points + 3; }
 };
 
-// The packed arrays of a patch: boundary, and PlaneTypes::State.
-struct PatchInput {
+// The packed arrays of a boundary, and of its triangulation (PlaneTypes::State).
+struct BoundaryInput {
   Vec3d* points;
   BoundaryPiece* pieces;
   CoveredCap* caps;
   SphereThrough* through;
+
+  VDWMESH_HD PatchBoundaryView view(const PatchSizes& sizes) const {
+    PatchBoundaryView all;
+    all.points = {points, sizes.points};
+    all.pieces = {pieces, sizes.pieces};
+    all.caps = {caps, sizes.caps};
+    all.through = {through, sizes.through};
+    return all;
+  }
+};
+struct PatchInput {
+  BoundaryInput boundary;
   PlanePoint* plane_points;
   std::uint32_t* star;
   LinkedTriangle* triangles;
@@ -52,12 +64,16 @@ class ArrayPlaces {
   std::size_t bytes_ = 0;
 };
 
-VDWMESH_HD inline PatchInput patch_input(const PatchSizes& sizes, ArrayPlaces& places) {
-  PatchInput in{};
+VDWMESH_HD inline BoundaryInput boundary_input(const PatchSizes& sizes, ArrayPlaces& places) {
+  BoundaryInput in{};
   in.points = places.next<Vec3d>(sizes.points);
   in.pieces = places.next<BoundaryPiece>(sizes.pieces);
   in.caps = places.next<CoveredCap>(sizes.caps);
   in.through = places.next<SphereThrough>(sizes.through);
+  return in;
+}
+VDWMESH_HD inline PatchInput patch_input(const PatchSizes& sizes, ArrayPlaces& places) {
+  PatchInput in{boundary_input(sizes, places), nullptr, nullptr, nullptr};
   in.plane_points = places.next<PlanePoint>(sizes.plane_points());
   in.star = places.next<std::uint32_t>(sizes.plane_points());
   in.triangles = places.next<LinkedTriangle>(sizes.plane_triangles);
@@ -93,18 +109,26 @@ VDWMESH_HD inline std::uint32_t capacity(const PatchSizes& sizes, PatchArray kin
     case PatchArray::requests:
       return 2 * sizes.pieces + 32;
     case PatchArray::insertions:
-      return 0;
+      return sizes.plane_triangles > 0 ? 0 : triangles / 2 + 32;
   }
   return 0;
 }
 
-// Gives the arrays their memory.
-VDWMESH_HD inline void place_arrays(const PatchSizes& sizes, PatchFailure* failure,
-                                    ArrayPlaces& places, PatchWork<BoundedMemory>& work) {
-  work.visit_arrays([&]<class T>(BoundedArray<T>& array, PatchArray kind) {
+// Gives an array its memory, for the visits of PatchWork.
+struct ArrayPlacer {
+  const PatchSizes& sizes;
+  PatchFailure* failure;
+  ArrayPlaces& places;
+
+  template <class T>
+  VDWMESH_HD void operator()(BoundedArray<T>& array, PatchArray kind) const {
     const std::uint32_t most = capacity(sizes, kind);
     array = BoundedArray<T>(places.next<T>(most), most, failure);
-  });
+  }
+};
+VDWMESH_HD inline void place_arrays(const PatchSizes& sizes, PatchFailure* failure,
+                                    ArrayPlaces& places, PatchWork<BoundedMemory>& work) {
+  work.visit_arrays(ArrayPlacer{sizes, failure, places});
 }
 
 // The bytes that the arrays take.
@@ -152,11 +176,7 @@ VDWMESH_HD inline PatchOutcome mesh_bounded_patch(const BoundedPatch& patch,
   ArrayPlaces inputs(memory.input + patch.input), arrays(memory.work + patch.work);
   const PatchInput in = patch_input(patch.sizes, inputs);
   const PatchSizes& n = patch.sizes;
-  PatchBoundaryView boundary;
-  boundary.points = {in.points, n.points};
-  boundary.pieces = {in.pieces, n.pieces};
-  boundary.caps = {in.caps, n.caps};
-  boundary.through = {in.through, n.through};
+  const PatchBoundaryView boundary = in.boundary.view(n);
   PatchFailure failure = PatchFailure::none;
   PatchWork<BoundedMemory> work{BoundedMemory(&failure)};
   place_arrays(n, &failure, arrays, work);

@@ -2,8 +2,11 @@
 // threads of its own. Jobs stay in place until the end, since the device writes its outcome there.
 #include "arrangement/mesher/device_patches.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -65,6 +68,27 @@ DevicePatches::~DevicePatches() {
   }
   turns_.end();
   end_thread();
+}
+
+void DevicePatches::look(std::span<const std::uint32_t> balls, DeviceWork work, const Looks& looks,
+                         ExactMeshStats& stats) {
+  std::vector<std::uint8_t> is_done(balls.size(), 0);  // bytes, since several threads set them
+  if (work == DeviceWork::all || balls.size() >= kLeastLooksForDevice) {
+    device_.look({balls.size(), [&](std::size_t i) { return looks.begin(balls[i]); },
+                  [&](std::size_t i, PatchVector<PieceSplit>&& splits) {
+                    looks.end(balls[i], std::move(splits));
+                    is_done[i] = 1;
+                    advance(monitor_, 1);
+                  }});
+    const auto done = static_cast<std::size_t>(std::ranges::count(is_done, std::uint8_t{1}));
+    stats.device_looks += done;
+    stats.left_looks += balls.size() - done;
+  }
+  tbb::parallel_for(std::size_t{0}, balls.size(), [&](std::size_t i) {
+    if (is_done[i]) return;
+    looks.look(balls[i]);
+    advance(monitor_, 1);
+  });
 }
 
 void DevicePatches::withdraw(std::uint32_t ball) {
@@ -166,6 +190,20 @@ std::vector<std::uint32_t> DevicePatches::take_results(std::span<const std::uint
   stats.returned_patches += returned;
   stats.device_batches += device_.batches();
   return left;
+}
+
+void DevicePatches::place(const PlacedBalls& balls, std::span<const std::uint64_t> first_vertex,
+                          std::span<const std::uint64_t> first_triangle,
+                          std::span<const std::uint32_t> first_vertices, IndexedMesh& mesh) {
+  const std::vector<PatchPlace> places =
+      collect<PatchPlace>(job_of_.size(), [&](std::size_t b, std::vector<PatchPlace>& found) {
+        const PatchJob* const kept = kept_job(static_cast<std::uint32_t>(b));
+        if (!kept) return;
+        found.push_back({kept->kept, kept->interior, kept->triangles, balls.balls[b], balls.ids[b],
+                         first_vertex[b], first_triangle[b]});
+      });
+  device_.place({places, std::ldexp(1.0, balls.scale_exponent), first_vertices}, mesh);
+  device_.forget();
 }
 
 void beside(const std::function<void()>& on_device, const std::function<void()>& on_host) {

@@ -42,6 +42,13 @@ void copy(const PatchVector<From>& from, To* to) {
 
 }  // namespace
 
+void pack_boundary(const PatchBoundary& from, const BoundaryInput& to) {
+  copy(from.points, to.points);
+  copy(from.pieces, to.pieces);
+  copy(from.caps, to.caps);
+  copy(from.through, to.through);
+}
+
 // There are about as many points inside as half the triangles of that edge length that the area
 // holds. Along the boundary triangles are smaller. The allowances are for patches of molecules; one
 // that needs more is left to the host, as any that fails.
@@ -220,10 +227,7 @@ void PatchBatch::pack(std::byte* input) const {
     const PatchProgress& from = *jobs_[order_[i]].progress;
     ArrayPlaces places(input + patches_[i].input);
     const PatchInput to = patch_input(patches_[i].sizes, places);
-    copy(from.boundary.points, to.points);
-    copy(from.boundary.pieces, to.pieces);
-    copy(from.boundary.caps, to.caps);
-    copy(from.boundary.through, to.through);
+    pack_boundary(from.boundary, to.boundary);
     copy(from.plane.points, to.plane_points);
     copy(from.plane.star, to.star);
     copy(from.plane.triangles, to.triangles);

@@ -18,6 +18,9 @@ PatchSizes sizes_of(const PatchJob& job);
 // Whether a patch is for a device. A single thread meshes it, so it must not be large.
 bool is_for_device(const PatchSizes& sizes);
 
+// Copies a boundary to its place among packed ones.
+void pack_boundary(const PatchBoundary& from, const BoundaryInput& to);
+
 // How a device divides the memory that it may take: half of it is for results that it keeps, and a
 // quarter for each of the two batches that it works on.
 struct DeviceShares {

@@ -206,16 +206,14 @@ void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
 }
 
 std::vector<std::uint32_t> boundary_order(std::size_t points) {
-  // With fewer points than this, their own order is fast enough.
-  constexpr std::uint32_t kMany = 1024;
   const auto count = static_cast<std::uint32_t>(points);
   std::vector<std::uint32_t> order;
   order.reserve(count);
   // The first loop takes every step-th point: all points if there are few, otherwise the first and
   // usually one more, since the largest power of two up to `count` is more than half of it. Each
-  // round of the second loop takes the
-  // points halfway between those taken so far, until the step is 1 and all points have been taken.
-  std::uint32_t step = count < kMany ? 1 : std::bit_floor(count);
+  // round of the second loop takes the points halfway between those taken so far, until the step is
+  // 1 and all points have been taken.
+  std::uint32_t step = count < kReorderedPoints ? 1 : std::bit_floor(count);
   for (std::uint32_t i = 0; i < count; i += step) order.push_back(i);
   for (; step > 1; step /= 2) {
     for (std::uint32_t i = step / 2; i < count; i += step) order.push_back(i);

@@ -111,6 +111,8 @@ VDWMESH_HD inline Vec3d buried_pole(const PatchBoundaryView& boundary) {
 // order is hierarchical. It begins with a coarse subset, and each following round halves the
 // spacing of the points inserted so far.
 std::vector<std::uint32_t> boundary_order(std::size_t count);
+// Fewer points than this keep their order.
+inline constexpr std::uint32_t kReorderedPoints = 1024;
 
 // The arcs and neighbours of each ball, and the balls at each corner, as compressed sparse rows.
 class PatchIndex {

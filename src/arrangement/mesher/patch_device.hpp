@@ -33,7 +33,7 @@ struct PatchJob {
   // place(), or, if it has no memory left for that, the result is in `patch`, with its sources. If
   // it keeps the result or there is none, `patch` is null.
   bool is_done = false;
-  std::unique_ptr<PatchMesh> patch;
+  std::unique_ptr<PatchMesh> patch = nullptr;
   bool is_kept = false;
   std::uint32_t interior = 0, triangles = 0;  // how many points and triangles it keeps
   std::uint64_t kept = 0;                     // the device's name for the result
@@ -47,6 +47,22 @@ struct PatchOrder {
   // Writes the sources of the points of a job's boundary. To be called from look().
   std::function<void(const PatchJob&, std::span<PointSource>)> sources;
   Monitor* monitor;
+};
+
+// A boundary that nobody has looked at yet.
+struct LookJob {
+  PatchProgress* progress;           // with the boundary alone
+  double edge_length = 0, area = 0;  // as in PatchOptions
+};
+
+// First looks at boundaries. The functions are called from any thread.
+struct LookOrder {
+  std::size_t count;
+  // Gathers boundary i, 0 <= i < count.
+  std::function<LookJob(std::size_t i)> begin;
+  // Takes the requests of a boundary, as PatchMesh has them. Its progress has the triangulation.
+  // Throws Cancelled.
+  std::function<void(std::size_t i, PatchVector<PieceSplit>&& splits)> end;
 };
 
 // Where a kept patch goes in the mesh.
@@ -67,6 +83,10 @@ struct PatchPlaces {
 class PatchDevice {
  public:
   virtual ~PatchDevice() = default;
+  // Looks at boundaries as mesh_patch() would with Demand::quality and PatchStage::boundary, bit by
+  // bit. It does not end those that double precision does not decide, that are not simple, or that
+  // have no room. Throws Cancelled, DeviceMemoryExceeded.
+  virtual void look(const LookOrder& order) = 0;
   // Meshes jobs as mesh_patch() would, bit by bit, and sets is_done for them. It leaves out those
   // that double precision does not decide or that outgrow their memory, and those withdrawn before
   // it looked at them. Results are kept until forget(), as far as memory allows. Throws Cancelled,

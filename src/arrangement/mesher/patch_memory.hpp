@@ -56,7 +56,8 @@ enum class PatchArray : std::uint8_t {
   insertions,  // only where pieces are inserted
 };
 
-enum class PatchFailure : std::uint32_t { none, no_room, undecided };
+// Not simple: the pieces of the boundary meet elsewhere than at their ends, at the first look.
+enum class PatchFailure : std::uint32_t { none, no_room, undecided, not_simple };
 
 // An array in memory of somebody else, with the part of std::vector's interface that the steps use.
 template <class T>

@@ -42,8 +42,8 @@ static inline void triangulate(const PatchBoundary& boundary, const PatchOptions
   if (bound && mesh.splits.empty()) mesh.below = bound->count(scratch.patch);
 }
 
-// Room for the triangulation of so many points and of the frame's corners, and for later splits.
-static void make_room(std::size_t points, PlaneTriangulation::State& plane) {
+// The frame has three corners.
+void make_room_for_splits(std::size_t points, PlaneTriangulation::State& plane) {
   points = with_room_for_splits(points);
   plane.points.reserve(points + 3);
   plane.star.reserve(points + 3);
@@ -58,7 +58,7 @@ VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOp
   // A test of the boundary adds nothing that the next round may not have, so it needs no copy.
   scratch.plane_is_swapped = options.stage == PatchStage::boundary;
   if (scratch.plane_is_swapped) {
-    if (!progress.is_triangulated) make_room(boundary.points.size(), progress.plane);
+    if (!progress.is_triangulated) make_room_for_splits(boundary.points.size(), progress.plane);
     scratch.plane.swap(progress.plane);
   }
   PatchMesh mesh;

@@ -102,6 +102,8 @@ struct PatchScratch : PatchWork<GrowingMemory> {
 // patch_boundary.hpp) that is more than a point, since the projection starts in a cap. Throws
 // CoincidentPoints (flat_boundary.hpp), Cancelled.
 PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options, PatchScratch& scratch);
+// Makes room for the triangulation of so many points of a boundary, and for later splits.
+void make_room_for_splits(std::size_t points, PlaneTriangulation::State& plane);
 // Sorts requests by descending piece, as PatchMesh has them, and keeps one for each piece: that
 // with the most halvings.
 void sort_requests(PatchVector<PieceSplit>& splits);

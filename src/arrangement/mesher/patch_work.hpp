@@ -54,23 +54,29 @@ struct PatchWork {
   Array<Vec3d> interior;
   Array<std::array<std::uint32_t, 3>> triangles;
 
-  // Calls visit(array, kind) for every array, to give bounded ones their memory.
+  // Calls visit(array, kind) for arrays, to give bounded ones their memory: for those that
+  // PatchStage::boundary needs besides the triangulation's state, and for all.
+  template <class Visit>
+  VDWMESH_HD void visit_boundary_scratch(const Visit& visit) {
+    circles.visit_arrays(visit);
+    plane.visit_scratch(visit);
+    visit(patch.points, PatchArray::points);
+    visit(numbers, PatchArray::triangles);
+    visit(pieces, PatchArray::requests);
+    visit(splits, PatchArray::requests);
+  }
   template <class Visit>
   VDWMESH_HD void visit_arrays(const Visit& visit) {
-    circles.visit_arrays(visit);
-    plane.visit_arrays(visit);
+    visit_boundary_scratch(visit);
+    plane.visit_state(visit);
     visit(smoothing.first, PatchArray::star_rows);
     visit(smoothing.star, PatchArray::star_entries);
     visit(smoothing.changed, PatchArray::lists);
     visit(smoothing.sweep, PatchArray::lists);
-    visit(patch.points, PatchArray::points);
     visit(patch.triangles, PatchArray::triangles);
-    visit(numbers, PatchArray::triangles);
     visit(margins, PatchArray::caps);
     visit(queue, PatchArray::queue);
     visit(inner_edges, PatchArray::lists);
-    visit(pieces, PatchArray::requests);
-    visit(splits, PatchArray::requests);
     visit(interior, PatchArray::points);
     visit(triangles, PatchArray::triangles);
   }

@@ -4,7 +4,8 @@
 // fast algorithm for generating constrained Delaunay triangulations"), then the flipped edges are
 // made Delaunay again. plane_insertion.hpp says why this ends.
 //
-// The templates are for plane_triangulation.cpp, which compiles them for the host.
+// The templates are for plane_triangulation.cpp, which compiles them for the host, and for the
+// kernels of the device.
 #pragma once
 
 #include "arrangement/mesher/plane_triangulation.hpp"
@@ -77,6 +78,8 @@ VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::insert_piece(std::u
     if (outcome != Outcome::inserted) return outcome;
     flip_crossed(from, to);
     legalize_flipped(from, to);
+    // Without room for all that had to be flipped, there may be no such edge.
+    if (memory_.has_failed()) return Outcome::blocked;
     find_edge(from, to, edge);
   }
   return set_piece(edge, piece);

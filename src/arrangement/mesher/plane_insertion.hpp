@@ -31,19 +31,24 @@ inline constexpr double kTie = 0x1p22;
 // e, -1.5 e) and (0, 3 e). Its sides are at least 1.5 e from the origin, and the points at most
 // sqrt(2) e.
 template <class Memory>
-void PlaneTriangulationOf<Memory>::start(std::span<const PlanePoint> points,
-                                         const Circles* circles) {
+VDWMESH_HD void PlaneTriangulationOf<Memory>::start(std::span<const PlanePoint> points,
+                                                    const Circles* circles) {
   double e = 0;
-  for (const PlanePoint& p : points) e = std::max({e, std::abs(p.x), std::abs(p.y)});
+  for (const PlanePoint& p : points) e = std::max(std::max(e, std::abs(p.x)), std::abs(p.y));
   if (!(e > 0)) e = 1;  // there is no point but the origin
   largest_ = 3 * e;
-  points_.assign({{-largest_, -largest_ / 2}, {largest_, -largest_ / 2}, {0, largest_}});
-  points_.insert(points_.end(), points.begin(), points.end());
-  star_.assign(points_.size(), 0);
+  points_.clear();
+  points_.resize(kFrameCorners + points.size());
+  if (memory_.has_failed()) return;
+  points_[0] = {-largest_, -largest_ / 2};
+  points_[1] = {largest_, -largest_ / 2};
+  points_[2] = {0, largest_};
+  for (std::size_t i = 0; i < points.size(); ++i) points_[kFrameCorners + i] = points[i];
+  star_.assign(points_.size(), std::uint32_t{0});
   const std::uint32_t first = kFirstFrameCorner;
-  triangles_.assign(1, {{first, first + 1, first + 2},
-                        {kNoNeighbor, kNoNeighbor, kNoNeighbor},
-                        {kNoPiece, kNoPiece, kNoPiece}});
+  triangles_.assign(1, LinkedTriangle{{first, first + 1, first + 2},
+                                      {kNoNeighbor, kNoNeighbor, kNoNeighbor},
+                                      {kNoPiece, kNoPiece, kNoPiece}});
   reset_scratch(circles);
 }
 

@@ -56,9 +56,8 @@ struct PlaneErrors {
 // Whether c lies on the left (1) or on the right (-1) of the line from a to b.
 //
 // Let l and r be the exact products. Each computed product has three roundings (two differences and
-// the product), so its error is at most (3 u + 9 u²) times its size; the last difference adds u
-// (|l|
-// + |r|). Together that is below 5 u (|l| + |r|), by computed values.
+// the product), so its error is at most (3 u + 9 u²) times its size; the last difference adds
+// u (|l| + |r|). Together that is below 5 u (|l| + |r|), by computed values.
 VDWMESH_HD inline int filtered_orientation(const PlaneErrors& errors, const PlanePoint& a,
                                            const PlanePoint& b, const PlanePoint& c) {
   const double l = (a.x - c.x) * (b.y - c.y), r = (a.y - c.y) * (b.x - c.x);

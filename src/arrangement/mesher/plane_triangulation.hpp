@@ -42,9 +42,8 @@ class PlaneTriangulationOf : public PlaneTypes {
   // Starts anew with the given points, which are the vertices 0, 1, ..., but are not inserted yet.
   // The frame is made so large that it contains them. `circles` says which of them lie on one
   // circle, and must outlive the use. If it is null, nothing is a tie but what exact tests say is
-  // one. Precondition: coordinates
-  // of at most kLargestCoordinate / 4.
-  void start(std::span<const PlanePoint> points, const Circles* circles);
+  // one. Precondition: coordinates of at most kLargestCoordinate / 4.
+  VDWMESH_HD void start(std::span<const PlanePoint> points, const Circles* circles);
   // For going on from there later with resume().
   void save(State& state) const;
   void resume(const State& state, const Circles* circles);
@@ -116,12 +115,16 @@ class PlaneTriangulationOf : public PlaneTypes {
            memory_.has_room(triangles_, 2) && memory_.has_room(inside_, 2);
   }
   VDWMESH_HD bool has_failed() const { return memory_.has_failed(); }
-  // Calls visit(array, kind) for every array, to give bounded ones their memory.
+  // Calls visit(array, kind) for every array, to give bounded ones their memory: those of the
+  // state, in the order of PlaneTypes::State, and all others.
   template <class Visit>
-  VDWMESH_HD void visit_arrays(const Visit& visit) {
+  VDWMESH_HD void visit_state(const Visit& visit) {
     visit(points_, PatchArray::plane_points);
-    visit(star_, PatchArray::plane_points);
     visit(triangles_, PatchArray::triangles);
+    visit(star_, PatchArray::plane_points);
+  }
+  template <class Visit>
+  VDWMESH_HD void visit_scratch(const Visit& visit) {
     visit(inside_, PatchArray::triangles);
     visit(stack_, PatchArray::triangles);
     visit(visits_, PatchArray::triangles);

@@ -24,7 +24,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <memory>
 #include <numbers>
@@ -76,7 +75,6 @@ class UnionMesher {
     }
     if (!device) return;
     device->forget();
-    device_ = device;
     on_device_.emplace(
         *device, t_.balls.size(),
         [this](const PatchJob& job, std::span<PointSource> out) {
@@ -140,10 +138,9 @@ class UnionMesher {
     return borders_ ? team_.sum(std::uint64_t{run.second - run.first}) : here;
   }
 
-  // Whether the ball's sphere is exposed as a whole, except for points of contact. A sphere without
-  // arcs is exposed entirely or not at all, except for such points. So its exposed area is near
-  // 4 pi r² or near 0, and comparing with half of the sphere's area tells the two apart despite
-  // rounding.
+  // Whether the ball's sphere is exposed as a whole, but for points of contact. Without arcs it is
+  // exposed entirely or not at all, but for such points: its exposed area is near 4 pi r² or near
+  // 0, and comparing with half of the sphere's area tells the two apart despite rounding.
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;
     return index_.arcs(ball).empty() && areas_[ball] > 2 * std::numbers::pi * r * r;
@@ -235,21 +232,22 @@ class UnionMesher {
     if (balls.empty()) return;
     begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
                 balls.size());
-    const std::vector<std::uint32_t> for_host =
-        on_device_ && stage == PatchStage::triangles && last_splits_.empty()
-            ? mesh_beside_device(balls)
-            : balls;
-    const auto mesh_all = [&] {
-      tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
-        mesh_ball(for_host[i], demand, stage);
+    const auto mesh_all = [&](const std::vector<std::uint32_t>& some) {
+      tbb::parallel_for(std::size_t{0}, some.size(), [&](std::size_t i) {
+        mesh_ball(some[i], demand, stage);
         advance(options_.monitor, 1);
       });
     };
-    // What was sent and is not beside a piece that was split stays as it is.
-    if (on_device_ && stage == PatchStage::boundary) {
-      on_device_->let_read(mesh_all);
+    const bool is_first = last_splits_.empty();
+    if (!on_device_) {
+      mesh_all(balls);
+    } else if (stage == PatchStage::triangles) {
+      mesh_all(is_first ? mesh_beside_device(balls) : balls);
+    } else if (is_first) {
+      look_beside_device(balls);
     } else {
-      mesh_all();
+      // What was sent and is not beside a piece that was split stays as it is.
+      on_device_->let_read([&] { mesh_all(balls); });
     }
     stats_.exact_tests += sum_all(balls.size(), [&](std::size_t i, std::uint64_t& sum) {
       sum += patches_[balls[i]].exact_tests;
@@ -263,27 +261,49 @@ class UnionMesher {
     return indexed_mesh_bytes({2 * pieces, 4 * pieces}, kPatchArrays) <= options_.memory_limit;
   }
 
+  // On the unit sphere: lengths and areas are fractions of the radius and of its square.
+  PatchOptions patch_options(std::uint32_t ball) const {
+    const double r = t_.balls[ball].radius;
+    return {.edge_length = edge_lengths_[ball] / r,
+            .monitor = options_.monitor,
+            .min_angle = options_.min_angle * std::numbers::pi / 180,
+            .splits_for_angles = leaves_room_,
+            .area = areas_[ball] / (r * r)};
+  }
+
   // Meshes the patch of one ball into patches_[ball]. Threads run this at the same time for
   // different balls. An error about coincident points must not depend on which thread comes first,
   // so such points are only noted here (first_coincident()).
   void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
-    // As a fraction of the radius, since patches are meshed on the unit sphere.
-    const double r = t_.balls[ball].radius, edge_length = edge_lengths_[ball] / r;
+    PatchOptions options = patch_options(ball);
     if (is_whole(ball)) {
-      patches_[ball] = mesh_sphere(edge_length);
+      patches_[ball] = mesh_sphere(options.edge_length);
       return;
     }
+    options.demand = demand;
+    options.stage = stage;
     PatchProgress& progress = up_to_date(ball);
     try {
-      PatchMesh& patch = patches_[ball] = mesh_patch(
-          progress,
-          {edge_length, demand, stage, options_.monitor, kWidestView,
-           options_.min_angle * std::numbers::pi / 180, leaves_room_, areas_[ball] / (r * r)},
-          scratch_.local());
+      PatchMesh& patch = patches_[ball] = mesh_patch(progress, options, scratch_.local());
       if (!patch.triangles.empty()) finish(ball, patch);
     } catch (const CoincidentPoints&) {
       has_coincident_points_[ball] = 1;
     }
+  }
+
+  // The first round, if there is a device: it looks at boundaries, too.
+  void look_beside_device(const std::vector<std::uint32_t>& balls) {
+    const auto look = [this](std::uint32_t b) {
+      mesh_ball(b, Demand::quality, PatchStage::boundary);
+    };
+    const auto begin = [this](std::uint32_t b) {
+      const PatchOptions options = patch_options(b);
+      return LookJob{&up_to_date(b), options.edge_length, options.area};
+    };
+    const auto end = [this](std::uint32_t b, PatchVector<PieceSplit>&& splits) {
+      (patches_[b] = {}).splits = std::move(splits);
+    };
+    on_device_->look(balls, options_.device_work, {look, begin, end}, stats_);
   }
 
   // After a round of `balls` in which pieces were split, and before that of the balls beside them,
@@ -305,23 +325,20 @@ class UnionMesher {
     send_to_device(quiet, HostWork::rounds);
   }
 
-  // Sends the device its part of `balls`, and takes it out of them. Precondition: the
-  // triangulations of the boundaries are up to date. The triangles are those of the first round of
-  // the second series.
+  // Sends the device its part of `balls`, to be meshed as in the first round of the second series,
+  // and takes it out of them. Precondition: the triangulations of the boundaries are up to date.
   void send_to_device(std::vector<std::uint32_t>& balls, HostWork meanwhile) {
     on_device_->send(balls, options_.device_work, meanwhile,
                      [this](std::uint32_t b) { return job_of(b); });
   }
 
   PatchJob job_of(std::uint32_t ball) const {
-    const double r = t_.balls[ball].radius;
-    PatchJob job{};
-    job.ball = ball;
-    job.progress = progress_[ball].get();
-    job.edge_length = edge_lengths_[ball] / r;
-    job.area = areas_[ball] / (r * r);
-    job.demand = Demand::quality;
-    return job;
+    const PatchOptions options = patch_options(ball);
+    return {.ball = ball,
+            .progress = progress_[ball].get(),
+            .edge_length = options.edge_length,
+            .area = options.area,
+            .demand = Demand::quality};
   }
 
   // Lets the device mesh patches that have a boundary, and the host others meanwhile, and returns
@@ -430,7 +447,10 @@ class UnionMesher {
       for_each_index(progress_.size(), [&](std::size_t b) { progress_[b].reset(); });
     };
     if (on_device_) {
-      beside([&] { place_kept(first_vertex, first_triangle, mesh); }, place_arcs);
+      const auto place_kept = [&] {
+        on_device_->place(t_, first_vertex, first_triangle, sampling_.first_vertices(), mesh);
+      };
+      beside(place_kept, place_arcs);
     } else {
       place_arcs();
     }
@@ -441,22 +461,7 @@ class UnionMesher {
     });
   }
 
-  // Lets the device write the patches that it keeps.
-  void place_kept(const std::vector<std::uint64_t>& first_vertex,
-                  const std::vector<std::uint64_t>& first_triangle, IndexedMesh& mesh) {
-    const std::vector<PatchPlace> places =
-        collect<PatchPlace>(t_.balls.size(), [&](std::size_t b, std::vector<PatchPlace>& found) {
-          const PatchJob* const kept = kept_job(static_cast<std::uint32_t>(b));
-          if (!kept) return;
-          found.push_back({kept->kept, kept->interior, kept->triangles, t_.balls[b], t_.ids[b],
-                           first_vertex[b], first_triangle[b]});
-        });
-    device_->place({places, std::ldexp(1.0, t_.scale_exponent), sampling_.first_vertices()}, mesh);
-    device_->forget();
-  }
-
   ExactMeshOptions options_;
-  PatchDevice* device_ = nullptr;
   MeshTeam& team_;
   const PlacedBalls& t_;
   const std::vector<double>& areas_;  // by ball

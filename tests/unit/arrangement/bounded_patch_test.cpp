@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <set>
@@ -18,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "arrangement/mesher/look_batch.hpp"
 #include "arrangement/mesher/patch_batch.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
@@ -36,6 +38,22 @@ namespace {
 class HostedDevice final : public PatchDevice {
  public:
   explicit HostedDevice(double room = 1) : room_(room) {}
+
+  // Looks at two boundaries at a time, if they fit, and at no other one.
+  void look(const LookOrder& order) override {
+    for (std::size_t first = 0; first < order.count; first += 2) {
+      std::vector<LookJob> jobs;
+      for (std::size_t i = first; i < std::min(order.count, first + 2); ++i) {
+        jobs.push_back(order.begin(i));
+      }
+      const LookBatch batch(jobs, most_bytes_of_look);
+      std::vector<std::byte> input(batch.input_bytes());
+      batch.pack(input.data());
+      for (std::size_t i = 0; i < batch.looks().size(); ++i) {
+        look_at_one(order, first, batch, jobs, i, input.data());
+      }
+    }
+  }
 
   void mesh(const PatchOrder& order) override {
     ++batches_;
@@ -103,6 +121,9 @@ class HostedDevice final : public PatchDevice {
   std::size_t most_kept = ~std::size_t{0};  // patches; it returns the others at once
   std::size_t placed = 0, patches = 0, sent_again = 0;
   std::size_t no_room = 0, undecided = 0, broken_guards = 0;
+  // Of looks at boundaries: their memory, how many were asked for, and what became of them.
+  std::uint64_t most_bytes_of_look = ~std::uint64_t{0};
+  std::size_t looks = 0, undecided_looks = 0, not_simple = 0, other_looks = 0;
 
  private:
   struct Kept {
@@ -119,6 +140,46 @@ class HostedDevice final : public PatchDevice {
         was_waited_for = 2 * static_cast<std::size_t>(count) > order.jobs.size();
       });
     }
+  }
+
+  // Whether a look has left what the host's does, bit by bit. `before` is the progress before it.
+  static bool is_as_on_host(PatchProgress before, const LookJob& job,
+                            const PatchVector<PieceSplit>& splits) {
+    PatchScratch scratch;
+    PatchOptions options{.edge_length = job.edge_length};
+    options.stage = PatchStage::boundary;
+    options.area = job.area;
+    const PatchMesh host = mesh_patch(before, options, scratch);
+    const PlaneTypes::State &one = before.plane, &other = job.progress->plane;
+    const auto same = [](const auto& a, const auto& b) {
+      return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+    };
+    return before.is_triangulated && job.progress->is_triangulated &&
+           one.largest == other.largest && same(one.points, other.points) &&
+           same(one.triangles, other.triangles) && same(one.star, other.star) &&
+           host.splits == splits && host.exact_tests == 0;
+  }
+
+  void look_at_one(const LookOrder& order, std::size_t first, const LookBatch& batch,
+                   const std::vector<LookJob>& jobs, std::size_t i, std::byte* input) {
+    // Guards behind the work memory and behind the state.
+    std::vector<std::byte> work(batch.work_bytes() + kGuard, std::byte{0x5a}),
+        states(batch.state_bytes() + kGuard, std::byte{0x5a});
+    const PatchOutcome out =
+        look_at_boundary(batch.looks()[i], {input, states.data(), work.data()});
+    for (const std::vector<std::byte>* memory : {&work, &states}) {
+      broken_guards += std::any_of(memory->end() - kGuard, memory->end(),
+                                   [](std::byte b) { return b != std::byte{0x5a}; });
+    }
+    ++looks;
+    undecided_looks += out.failure == PatchFailure::undecided;
+    not_simple += out.failure == PatchFailure::not_simple;
+    if (out.failure != PatchFailure::none) return;
+    const LookJob& job = jobs[batch.job(i)];
+    const PatchProgress before = *job.progress;
+    PatchVector<PieceSplit> splits = batch.finish(i, states.data(), {out.first_split, out.splits});
+    other_looks += !is_as_on_host(before, job, splits);
+    order.end(first + batch.job(i), std::move(splits));
   }
 
   void mesh_one(BoundedPatch patch, std::byte* input, const Vec3d* lattice,
@@ -177,6 +238,7 @@ ExactMeshStats expect_same_mesh(const SphereSet& spheres, double edge_length, Ho
   EXPECT_EQ(one.stats.exact_tests, other.stats.exact_tests);
   EXPECT_EQ(one.stats.split, other.stats.split);
   EXPECT_EQ(device.broken_guards, 0u);
+  EXPECT_EQ(device.other_looks, 0u);
   return other.stats;
 }
 
@@ -186,7 +248,7 @@ class BoundedPatches : public ::testing::TestWithParam<const char*> {};
 TEST_P(BoundedPatches, SameBitsAndFewFailures) {
   const std::string file = "reference/" + std::string(GetParam()) + ".xyzr";
   VDWMESH_NEEDS_SHARED(file);
-  std::size_t failed = 0, patches = 0, sent_again = 0;
+  std::size_t failed = 0, patches = 0, sent_again = 0, looks = 0, left = 0;
   for (const double probe : {0.0, 1.4}) {
     const SphereSet spheres = read_xyzr(shared_path(file), probe);
     for (const double edge_length : {0.5, 0.35, 0.2}) {
@@ -197,9 +259,13 @@ TEST_P(BoundedPatches, SameBitsAndFewFailures) {
       sent_again += device.sent_again;
       failed += device.no_room + device.undecided;
       patches += device.patches;
+      looks += device.looks;
+      left += device.undecided_looks + device.not_simple;
     }
   }
   EXPECT_GT(patches, 0u);
+  EXPECT_GT(looks, 0u);
+  EXPECT_LE(100 * left, looks);
   // Some patches were sent while the rounds went on, withdrawn and sent anew.
   EXPECT_GT(sent_again, 0u);
   EXPECT_LE(1000 * failed, patches);
@@ -227,7 +293,7 @@ TEST(BoundedPatchFailures, TooLittleRoomIsNoticed) {
 // Balls that all but touch, meet in a point or share a circle have tests that double precision does
 // not decide, and arcs that were joined.
 TEST(BoundedPatchFailures, NearlyDegenerateSets) {
-  std::size_t undecided = 0, patches = 0;
+  std::size_t undecided = 0, undecided_looks = 0, not_simple = 0, patches = 0;
   for (unsigned seed = 17'000'000; seed < 17'000'096; ++seed) {
     const SeededSet set = seeded_set(seed);
     SCOPED_TRACE(seed);
@@ -240,10 +306,31 @@ TEST(BoundedPatchFailures, NearlyDegenerateSets) {
     }
     expect_same_mesh(set.spheres, set.edge_length, device);
     undecided += device.undecided;
+    undecided_looks += device.undecided_looks;
+    not_simple += device.not_simple;
     patches += device.patches;
   }
   EXPECT_GT(patches, 500u);
   EXPECT_GT(undecided, 0u);
+  EXPECT_GT(undecided_looks, 0u);
+  EXPECT_GT(not_simple, 0u);
+}
+
+// Boundaries for which the device has no memory are the host's.
+TEST(FirstLooks, TakeWhatFits) {
+  VDWMESH_NEEDS_SHARED("reference/1CRN.xyzr");
+  const SphereSet spheres = read_xyzr(shared_path("reference/1CRN.xyzr"));
+  std::size_t last = ~std::size_t{0};
+  for (const std::uint64_t bytes : {std::uint64_t{1} << 20, std::uint64_t{40'000},
+                                    std::uint64_t{20'000}, std::uint64_t{1'000}}) {
+    SCOPED_TRACE(bytes);
+    HostedDevice device;
+    device.most_bytes_of_look = bytes;
+    expect_same_mesh(spheres, 0.35, device);
+    EXPECT_LT(device.looks, last);
+    last = device.looks;
+  }
+  EXPECT_EQ(last, 0u);
 }
 
 // A device that has hardly begun when the boundaries are settled: the host takes the others back,

@@ -1,0 +1,106 @@
+// Several threads of the host take batches in turn, each with a stream of its own: while one batch
+// is gathered and packed on all cores, others travel, are looked at, or are unpacked.
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <vector>
+
+#include "arrangement/mesher/boundary_look.hpp"
+#include "arrangement/mesher/look_batch.hpp"
+#include "core/fixed_blocks.hpp"
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/launch.cuh"
+#include "cuda/memory/run_on_threads.hpp"
+#include "cuda/memory/transfer.cuh"
+#include "cuda/mesher/batch_rooms.cuh"
+#include "cuda/mesher/boundary_looks.cuh"
+
+namespace vdwmesh::mesher {
+namespace {
+
+constexpr unsigned kThreads = 64;
+// Boundaries of a batch and for a warp, and threads of the host.
+constexpr std::size_t kBatch = 8192, kLanes = 3;
+constexpr unsigned kPerWarp = 2;
+
+// Looks at one boundary per thread, on the first kPerWarp lanes of each warp, for the reason that
+// patches_per_warp() gives; 2 warps per thread block, no shared memory.
+__global__ void __launch_bounds__(kThreads)
+    look(const BoundedLook* looks, std::uint32_t count, LookMemory memory, PatchOutcome* outcomes) {
+  const unsigned lane = threadIdx.x % 32;
+  if (lane >= kPerWarp) return;
+  const std::uint64_t i = thread_index() / 32 * kPerWarp + lane;
+  if (i < count) outcomes[i] = look_at_boundary(looks[i], memory);
+}
+
+struct LookRoom {
+  KeptRoom<std::byte> input, states;
+  KeptRoom<PatchOutcome> outcomes;
+  KeptRoom<PieceSplit> splits;
+};
+
+// Looks at the boundaries `first` to `end` of the order.
+void look_at_batch(const LookOrder& order, std::size_t first, std::size_t end,
+                   std::uint64_t most_bytes, LookRoom& room, const Stream& stream) {
+  std::vector<LookJob> jobs(end - first);
+  tbb::parallel_for(std::size_t{0}, jobs.size(),
+                    [&](std::size_t i) { jobs[i] = order.begin(first + i); });
+  const LookBatch batch(jobs, most_bytes);
+  const auto count = static_cast<std::uint32_t>(batch.looks().size());
+  if (count == 0) return;
+  std::byte* const input = room.input.take(batch.input_bytes());
+  batch.pack(input);
+  const DeviceArray<std::byte> device_input(batch.input_bytes(), stream),
+      device_states(batch.state_bytes(), stream), work(batch.work_bytes(), stream);
+  const DeviceArray<BoundedLook> looks(count, stream);
+  const DeviceArray<PatchOutcome> device_outcomes(count, stream);
+  upload_parts({{device_input.data(), input, device_input.bytes()},
+                {looks.data(), batch.looks().data(), looks.bytes()}},
+               stream);
+  launch("look_at_boundaries", look,
+         over(32 * std::uint64_t{blocks_for(count, kPerWarp)}, kThreads), stream, looks.data(),
+         count, LookMemory{device_input.data(), device_states.data(), work.data()},
+         device_outcomes.data());
+  // Before the transfer, not within it, as in mesh_batch().
+  stream.wait();
+  PatchOutcome* const outcomes = room.outcomes.take(count);
+  std::byte* const states = room.states.take(batch.state_bytes());
+  download_parts({{outcomes, device_outcomes.data(), device_outcomes.bytes()},
+                  {states, device_states.data(), device_states.bytes()}},
+                 stream);
+  const std::vector<GatherPlace> places = places_of(outcomes, count);
+  const DeviceArray<GatherPlace> device_places(places.size(), stream);
+  upload_parts({{device_places.data(), places.data(), device_places.bytes()}}, stream);
+  const DeviceArray<PieceSplit> device_splits(places.back().split, stream);
+  gather_patches(device_outcomes.data(), device_places.data(), count,
+                 {nullptr, nullptr, device_splits.data()}, stream);
+  PieceSplit* const splits = room.splits.take(device_splits.size());
+  download_parts({{splits, device_splits.data(), device_splits.bytes()}}, stream);
+  tbb::parallel_for(std::size_t{0}, std::size_t{count}, [&](std::size_t i) {
+    if (outcomes[i].failure != PatchFailure::none) return;
+    order.end(first + batch.job(i),
+              batch.finish(i, states, {splits + places[i].split, splits + places[i + 1].split}));
+  });
+}
+
+}  // namespace
+
+void look_at_boundaries(const LookOrder& order, std::uint64_t most_bytes) {
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  const std::size_t batches = block_count(order.count, kBatch), lanes = std::min(kLanes, batches);
+  std::atomic<std::size_t> next = 0;
+  run_on_threads(lanes, [&](std::size_t) {
+    check_cuda(cudaSetDevice(device), "device");
+    const Stream stream;
+    LookRoom room;
+    for (std::size_t b = next++; b < batches; b = next++) {
+      look_at_batch(order, b * kBatch, std::min(order.count, (b + 1) * kBatch), most_bytes / lanes,
+                    room, stream);
+    }
+  });
+}
+
+}  // namespace vdwmesh::mesher

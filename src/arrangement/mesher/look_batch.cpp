@@ -1,0 +1,95 @@
+// Lays out, packs and unpacks first looks at boundaries: jobs that fit the memory are ordered by
+// size, and each gets a place in the input, in the states and in the work memory.
+#include "arrangement/mesher/look_batch.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <utility>
+
+#include "arrangement/mesher/patch_area.hpp"
+#include "arrangement/mesher/patch_batch.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// One thread looks at a boundary, so it must not have many points.
+constexpr std::uint32_t kMostPointsOfLook = 512;
+static_assert(kMostPointsOfLook < kReorderedPoints);
+
+struct LookBytes {
+  std::size_t input, state, work;
+};
+
+LookBytes bytes_of(const PatchSizes& sizes) {
+  ArrayPlaces input(nullptr), state(nullptr), work(nullptr);
+  PatchWork<BoundedMemory> arrays;
+  boundary_input(sizes, input);
+  look_state(sizes, state);
+  place_look(sizes, nullptr, work, arrays);
+  return {input.bytes(), state.bytes(), work.bytes()};
+}
+
+// What a look takes on a device besides, with its requests in one list.
+std::size_t other_bytes(const PatchSizes& sizes) {
+  return sizeof(BoundedLook) + sizeof(PatchOutcome) + 3 * sizeof(std::uint64_t) +
+         capacity(sizes, PatchArray::requests) * sizeof(PieceSplit);
+}
+
+}  // namespace
+
+LookBatch::LookBatch(std::span<const LookJob> jobs, std::uint64_t most_bytes) : jobs_(jobs) {
+  std::uint64_t bytes = 0;
+  for (std::uint32_t j = 0; j < jobs.size(); ++j) {
+    const PatchSizes sizes = look_sizes(jobs[j].progress->boundary);
+    if (sizes.points > kMostPointsOfLook) continue;
+    const LookBytes own = bytes_of(sizes);
+    const std::uint64_t with = bytes + own.input + own.state + own.work + other_bytes(sizes);
+    if (with > most_bytes) continue;
+    bytes = with;
+    order_.push_back(j);
+  }
+  const auto points = [&](std::uint32_t j) { return jobs[j].progress->boundary.points.size(); };
+  tbb::parallel_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(points(b), a) < std::pair(points(a), b);
+  });
+  looks_.reserve(order_.size());
+  for (const std::uint32_t j : order_) {
+    const PatchSizes sizes = look_sizes(jobs[j].progress->boundary);
+    const LookBytes own = bytes_of(sizes);
+    looks_.push_back({sizes, input_bytes_, state_bytes_, work_bytes_, jobs[j].edge_length});
+    input_bytes_ += own.input;
+    state_bytes_ += own.state;
+    work_bytes_ += own.work;
+  }
+}
+
+void LookBatch::pack(std::byte* input) const {
+  tbb::parallel_for(std::size_t{0}, looks_.size(), [&](std::size_t i) {
+    ArrayPlaces places(input + looks_[i].input);
+    pack_boundary(jobs_[order_[i]].progress->boundary, boundary_input(looks_[i].sizes, places));
+  });
+}
+
+PatchVector<PieceSplit> LookBatch::finish(std::size_t i, std::byte* states,
+                                          std::span<const PieceSplit> requests) const {
+  const LookJob& job = jobs_[order_[i]];
+  const PatchSizes& sizes = looks_[i].sizes;
+  ArrayPlaces places(states + looks_[i].state);
+  const LookState from = look_state(sizes, places);
+  PlaneTypes::State& plane = job.progress->plane;
+  make_room_for_splits(sizes.points, plane);
+  plane.points.assign(from.points, from.points + capacity(sizes, PatchArray::plane_points));
+  plane.triangles.assign(from.triangles, from.triangles + capacity(sizes, PatchArray::triangles));
+  plane.star.assign(from.star, from.star + capacity(sizes, PatchArray::plane_points));
+  plane.largest = plane.points[1].x;
+  job.progress->is_triangulated = true;
+  PatchVector<PieceSplit> splits(requests.begin(), requests.end());
+  if (job.area > 0) {
+    split_for_area(job.progress->boundary, job.area, job.edge_length, splits);
+  }
+  sort_requests(splits);
+  return splits;
+}
+
+}  // namespace vdwmesh
