@@ -139,7 +139,7 @@ StructureFormat format_of_file(const std::filesystem::path& path) {
                              "structure (--sample ubiquitin, --sample bpti)",
                              kReadable));
   if (std::filesystem::is_directory(path, error))
-    refuse(path, "is a folder; name one structure file, or give the folder to vdwmesh batch");
+    refuse(path, "is a directory; name one structure file, or give the directory to vdwmesh batch");
   return format_of_name(path);
 }
 
