@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <system_error>
 
 #include "arrangement/exact_mesher.hpp"
 #include "command_line/option_list.hpp"
@@ -171,7 +172,10 @@ void settle_input(Draft& d) {
     return std::ranges::count(RadiusTable::names(), name) > 0;
   };
   // Papers write the names of sets with capitals.
-  if (!std::filesystem::exists(radii) && is_set(lower_case(radii))) radii = lower_case(radii);
+  std::error_code error;
+  if (!is_set(radii) && is_set(lower_case(radii)) && !std::filesystem::exists(radii, error)) {
+    radii = lower_case(radii);
+  }
   if (!is_set(radii)) d.files.add_input("--radii", radii);
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);

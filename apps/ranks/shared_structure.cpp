@@ -28,7 +28,7 @@ bool put_sphere(const Vec3d& center, double radius, Sphere& place) {
   return radius > 0 && !is_far(center);
 }
 
-// Where the copies or pieces begin that count so many each, and where the last one ends.
+// Where the spheres of the pieces begin that count so many each, and where the last ones end.
 std::vector<std::uint64_t> begins_of(std::span<const std::uint64_t> counts) {
   std::vector<std::uint64_t> begins(counts.size() + 1);
   std::inclusive_scan(counts.begin(), counts.end(), begins.begin() + 1);
@@ -41,12 +41,12 @@ void for_each_copy(const SharedStructure& s, std::uint64_t size, const ShareOfAr
                    const Visit& visit) {
   const std::uint64_t begin = begin_of_part(size, share.number, share.count),
                       end = begin_of_part(size, share.number + 1, share.count);
+  const std::span<const UnitAtom> atoms = s.atoms.span();
   tbb::parallel_for(std::size_t{0}, s.copies.size(), [&](std::size_t c) {
     const UnitCopy& copy = s.copies[c];
     const std::uint64_t first = std::max(begin, copy.begin),
                         last = std::min(end, copy.begin + copy.count);
-    for (std::uint64_t i = first; i < last; ++i)
-      visit(i, s.atoms[copy.first + i - copy.begin], copy);
+    for (std::uint64_t i = first; i < last; ++i) visit(i, atoms[copy.first + i - copy.begin], copy);
   });
 }
 
@@ -120,7 +120,7 @@ class Loader {
   void list_copies() {
     shared_.origin = SphereOrigin::assembly;
     for (const Atom& atom : unexpanded_.molecule.atoms) {
-      shared_.atoms.push_back({atom.position, atom.radius, element_color(atom.element)});
+      unit_.push_back({atom.position, atom.radius, element_color(atom.element)});
     }
     for (const ChainCopy& copy : unexpanded_.copies) {
       shared_.copies.push_back({copy.first, size_of_assembly(shared_), copy.count, copy.map});
@@ -129,11 +129,14 @@ class Loader {
 
   // Collective.
   void make_of_lines() {
+    const std::uint64_t first = ranks_.shared(std::uint64_t{text_ ? text_->first : 0});
     const HostMemory in_memory(
-        ranks_, std::as_bytes(std::span(text_ ? text_->text() : std::string_view())));
+        ranks_, text_ ? std::as_bytes(std::span(text_->bytes.data(), text_->bytes.size()))
+                      : std::span<const std::byte>());
     text_.reset();
-    const std::string_view text(reinterpret_cast<const char*>(in_memory.bytes().data()),
-                                in_memory.bytes().size());
+    const std::string_view whole(reinterpret_cast<const char*>(in_memory.bytes().data()),
+                                 in_memory.bytes().size());
+    const std::string_view text = whole.substr(first);
     const std::vector<std::string_view> pieces = pieces_of_spheres(text);
     const std::vector<std::uint64_t> begins = begins_of(counts_of(pieces));
     bool is_sound = begins.back() > 0 && begins.back() < kNoSphere;
@@ -149,7 +152,7 @@ class Loader {
       });
     }
     if (!is_sound) {
-      begin_again([&] { return read_structure(options_.path, text, read_options()); });
+      begin_again([&] { return read_structure(options_.path, whole, read_options()); });
     }
   }
 
@@ -175,7 +178,8 @@ class Loader {
 
   // Collective.
   void make_copies() {
-    ranks_.share(shared_.atoms);
+    shared_.atoms = HostArray<UnitAtom>(ranks_, unit_);
+    unit_ = std::vector<UnitAtom>();
     ranks_.share(shared_.copies);
     const std::uint64_t size = size_of_assembly(shared_);
     const bool is_sound = fill(size, [&](const ShareOfArray& share, std::span<Sphere> all) {
@@ -192,7 +196,7 @@ class Loader {
       return;
     }
     shared_.molecule = std::move(unexpanded_.molecule);
-    shared_.molecule.atoms = {};
+    shared_.molecule.atoms = std::vector<Atom>();
   }
 
   // Makes the spheres by make(share, all), which returns false if some cannot be. Returns false if
@@ -232,6 +236,7 @@ class Loader {
   SphereSet read_;                  // of the records
   std::optional<SphereText> text_;  // while nobody else has it
   UnexpandedMolecule unexpanded_;
+  std::vector<UnitAtom> unit_;  // until all have it
 };
 
 }  // namespace

@@ -43,8 +43,8 @@ struct SharedStructure {
   HostArray<Sphere> of_spheres;  // once on every host
   SphereSet spheres;             // all of them, a view
   SphereOrigin origin = SphereOrigin::records;
-  std::vector<UnitAtom> atoms;  // of an assembly, and its copies, on all ranks
-  std::vector<UnitCopy> copies;
+  HostArray<UnitAtom> atoms;     // of the file of an assembly, once on every host
+  std::vector<UnitCopy> copies;  // of it, on all ranks
 };
 
 // Whether the first rank needs the records of all atoms, for names, serial numbers or groups.

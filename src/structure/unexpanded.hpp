@@ -50,10 +50,6 @@ struct SphereText {
   Molecule molecule;      // what read_structure() says of it, without atoms and their numbers
   Text bytes;             // the whole file, unpacked
   std::size_t first = 0;  // where the text begins behind a byte order mark
-
-  std::string_view text() const {
-    return std::string_view(bytes.data(), bytes.size()).substr(first);
-  }
 };
 
 // Reads the text of a file if read_structure() with these options would make an atom of each of its
@@ -67,8 +63,8 @@ std::optional<SphereText> read_sphere_text(const std::filesystem::path& path,
 std::vector<std::string_view> pieces_of_spheres(std::string_view text);
 
 // The number of spheres in a piece. And calls put(centre, radius), in Å, for each of them in the
-// order of the lines. Returns false, and stops, at a line that read_structure() would refuse or
-// whose sphere it would drop, because its radius is 0.
+// order of the lines. Returns false if there is a line that read_structure() would refuse or whose
+// sphere it would drop, because its radius is 0; put is not called from there on.
 std::uint64_t count_spheres(std::string_view piece);
 bool read_spheres(std::string_view piece,
                   const std::function<void(const Vec3d& center, double radius)>& put);

@@ -463,7 +463,7 @@ class Inputs(MeshTest):
         self.assertEqual((made.returncode, made.stderr), (BAD_INPUT, expected.stderr.replace("vdwmesh:", "vdwmesh-mpi:")))
 
     def many_lines(self, name, *, at=19000, line="0 0 0 0", end="\n", last="\n", head=""):
-        """Some MB of spheres on a grid, which are several pieces, and a line of another kind among them."""
+        """0.6 MB of spheres on a grid, which are three pieces, and a line of another kind among them."""
         lines = [f"{5.1 * (i % 41):.4f} {5.3 * (i // 41 % 37):.4f} {2.3 * (i // 1517):.4f} 1.{i % 7}000" for i in range(20000)]
         lines[at] = line
         path = self.folder / name
@@ -493,6 +493,7 @@ class Inputs(MeshTest):
         cases = [(self.many_lines("word.xyzr", line="1 2 x 1"), ()), (self.many_lines("few.xyzr", line="1 2 3"), ()),
                  (self.many_lines("minus.xyzr", line="1 2 3 -1"), ()), (self.many_lines("far.xyzr", line="1 2 1e7 1"), ()),
                  (self.many_lines("large.xyzr", line="1 2 3 2e6"), ()), (self.file("none.xyzr", "# none\n"), ()),
+                 (self.many_lines("marks.xyzr", line="", head="\ufeff\ufeff"), ()),
                  (self.many_lines("probe.xyzr", line=""), ("--probe=-1.35",)),
                  (self.many_lines("all.xyzr", line=""), ("--select", "A/1")),
                  (self.many_lines("all.xyzr", line=""), ("--model", "2"))]  # fmt: skip
