@@ -101,13 +101,13 @@ void DeviceStatistics::add_extremes(const double* distances, std::uint64_t count
   extreme_samples_ += samples;
 }
 
-// The extremes are a block without sums.
 double DeviceStatistics::largest() const {
   double most = 0;
   for (const DistanceSums& block : blocks_) most = std::max(most, block.max);
   return most;
 }
 
+// The extremes are a block without sums.
 DistanceStatistics DeviceStatistics::result() {
   DistanceSums extremes;
   extremes.max = std::bit_cast<double>(fetch(extreme_.data(), stream_));

@@ -59,7 +59,7 @@ class GroupList {
                  BoxSides(node, box).squared_distance(node, static_cast<int>(child)) < bound;
         }
         const unsigned nears = __ballot_sync(kAllLanes, near);
-        const unsigned to = found + count_below(nears, lane);
+        const unsigned to = found + bits_below(nears, lane);
         if (near && to < GroupRoom::kSize) room_.places[1 - now_][to] = place;
         found += static_cast<unsigned>(count_bits(nears));
         if (found > GroupRoom::kSize) return kTooMany;
@@ -71,11 +71,6 @@ class GroupList {
     return count;
   }
   __device__ std::uint32_t operator[](unsigned i) const { return room_.places[now_][i]; }
-
-  // How many bits of the mask are below the lane's own.
-  __device__ static unsigned count_below(unsigned mask, unsigned lane) {
-    return static_cast<unsigned>(count_bits(mask & ((1u << lane) - 1)));
-  }
 
  private:
   __device__ static float least(float x) {
@@ -97,9 +92,9 @@ class GroupList {
   unsigned now_ = 0;  // which half of the room has the list
 };
 
-// Calls search(first, size) for ranges of lanes that together are all lanes with an `open` point.
-// search returns false if a range has too many near nodes; then it is called for the halves, and
-// gives up ranges of one lane. All lanes call it together.
+// Calls search(lanes), a bit for each, for ranges of lanes that together are all `open` ones; the
+// mask has the open ones of the range. search returns false if they have too many near nodes; then
+// it is called for the halves, and ranges of one lane are given up. All lanes call it together.
 template <class Search>
 __device__ void for_each_range(unsigned open, const Search& search) {
   for (unsigned first = 0, size = kWarp; first < kWarp;) {

@@ -40,7 +40,7 @@ struct LeafCorners {
   Vec3d corners[BoxNode::kWidth][3];
 };
 
-// The memory of a warp, shared: 4.2 KB.
+// The memory of a warp, shared: 4 KB.
 struct TriangleMemory {
   GroupRoom room;
   WarpStack stack;
@@ -133,7 +133,7 @@ class WarpPoints {
       const bool here = lanes.near >> c & 1;
       const unsigned all = __ballot_sync(kAllLanes, here);
       if (here)
-        memory_.pairs[count + GroupList::count_below(all, lane_)] =
+        memory_.pairs[count + bits_below(all, lane_)] =
             static_cast<std::uint8_t>(c * kWarp + lane_);
       count += static_cast<unsigned>(count_bits(all));
     }
@@ -154,7 +154,7 @@ class WarpPoints {
   unsigned lane_;
 };
 
-// A thread for each point, in the order of their keys. Static shared memory: 4.2 KB for each warp.
+// A thread for each point, in the order of their keys. Static shared memory: 4 KB for each warp.
 __global__ void __launch_bounds__(kThreads)
     search_triangles(SearchedMesh searched, double reach, const Vec3d* points,
                      const std::uint32_t* order, std::uint64_t count, double* found) {

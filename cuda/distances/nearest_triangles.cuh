@@ -13,7 +13,8 @@ struct SearchedMesh {
 };
 
 // Writes to `found` the distances of the points (Å), which are in the world of the tree. `reach`
-// (Å, above 0) is a guess: most points should be nearer than that. Distances do not depend on it.
+// (Å, at least 0) is a guess: most points should be nearer than that. Distances do not depend on
+// it.
 void find_nearest_triangles(const SearchedMesh& searched, const DeviceArray<Vec3d>& points,
                             double reach, double* found, const Stream& stream);
 

@@ -37,8 +37,7 @@ class OrderedSamples {
   // Called by all lanes at once; each has a point if `here`.
   __device__ void append(bool here, const Vec3d& p) {
     const unsigned appending = __ballot_sync(kAllLanes, here);
-    const unsigned before = appending & ((1u << threadIdx.x % kWarp) - 1);
-    if (here && to_ != nullptr) to_[count_ + count_bits(before)] = p;
+    if (here && to_ != nullptr) to_[count_ + bits_below(appending, threadIdx.x % kWarp)] = p;
     count_ += static_cast<unsigned>(count_bits(appending));
   }
   __device__ std::uint64_t count() const { return count_; }

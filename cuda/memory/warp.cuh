@@ -8,6 +8,11 @@ namespace vdwmesh {
 inline constexpr unsigned kWarp = 32;               // lanes of a warp
 inline constexpr unsigned kAllLanes = 0xffffffffu;  // a bit for each lane: all take part
 
+// How many bits of the mask are below the lane's own.
+__device__ inline unsigned bits_below(unsigned mask, unsigned lane) {
+  return static_cast<unsigned>(__popc(mask & ((1u << lane) - 1)));
+}
+
 // The sum of the arguments of this lane and all lower lanes. All lanes must call it together.
 // The shuffle itself says whether there is a lane `step` below, which saves a comparison.
 __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {

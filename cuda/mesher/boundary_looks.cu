@@ -21,8 +21,8 @@ namespace vdwmesh::mesher {
 namespace {
 
 constexpr unsigned kThreads = 64;
-// Boundaries of a batch and for a warp, and threads of the host.
-constexpr std::size_t kBatch = 8192, kLanes = 3;
+// Boundaries of a batch, threads of the host, and boundaries for a warp.
+constexpr std::size_t kBatch = 8192, kHostThreads = 3;
 constexpr unsigned kPerWarp = 2;
 
 // Looks at one boundary per thread, on the first kPerWarp lanes of each warp, for the reason that
@@ -90,15 +90,16 @@ void look_at_batch(const LookOrder& order, std::size_t first, std::size_t end,
 void look_at_boundaries(const LookOrder& order, std::uint64_t most_bytes) {
   int device = 0;
   check_cuda(cudaGetDevice(&device), "device");
-  const std::size_t batches = block_count(order.count, kBatch), lanes = std::min(kLanes, batches);
+  const std::size_t batches = block_count(order.count, kBatch),
+                    threads = std::min(kHostThreads, batches);
   std::atomic<std::size_t> next = 0;
-  run_on_threads(lanes, [&](std::size_t) {
+  run_on_threads(threads, [&](std::size_t) {
     check_cuda(cudaSetDevice(device), "device");
     const Stream stream;
     LookRoom room;
     for (std::size_t b = next++; b < batches; b = next++) {
-      look_at_batch(order, b * kBatch, std::min(order.count, (b + 1) * kBatch), most_bytes / lanes,
-                    room, stream);
+      look_at_batch(order, b * kBatch, std::min(order.count, (b + 1) * kBatch),
+                    most_bytes / threads, room, stream);
     }
   });
 }

@@ -106,7 +106,7 @@ class PairQueue {
   // Appends the pairs of the lanes that have one.
   __device__ inline void push(bool has, const NumberPair& pair) {
     const unsigned lanes = __ballot_sync(kAllLanes, has), lane = threadIdx.x % kWarp;
-    if (has) pairs_[size_ + static_cast<unsigned>(__popc(lanes & ((1u << lane) - 1)))] = pair;
+    if (has) pairs_[size_ + bits_below(lanes, lane)] = pair;
     size_ += static_cast<unsigned>(__popc(lanes));
     __syncwarp();
   }

@@ -50,8 +50,8 @@ struct ExactMeshOptions {
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   DeviceWork device_work = DeviceWork::balanced;
   // Bytes, for the CUDA backend; the mesh does not depend on them. What a device keeps of the mesh,
-  // and the batches of patches that it works on, fit in these and in its free memory. Patches that
-  // it cannot keep travel to the host batch by batch.
+  // and the batches of boundaries and patches that it works on, fit in these and in its free
+  // memory. Patches that it cannot keep travel to the host batch by batch.
   std::uint64_t device_memory = kNoMemoryLimit;
   Monitor* monitor = nullptr;
 };
@@ -74,8 +74,9 @@ struct ExactMeshStats {
   // Tests of the triangulations that double precision did not decide, so exact arithmetic did.
   std::uint64_t exact_tests = 0;
   // Boundaries that a CUDA device looked at before the host did, and those that it left to the host
-  // because double precision did not decide a test, pieces crossed, or memory was too small. Both
-  // are 0 on the CPU, and for sets that are not worth it.
+  // because double precision did not decide a test, pieces met elsewhere than at their ends, there
+  // were too many points for one thread, or memory was too small. Both are 0 on the CPU, and for
+  // sets that are not worth it.
   std::uint64_t device_looks = 0, left_looks = 0;
   // Patches that a CUDA device meshed, and those that it left to the host because double precision
   // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU. How

@@ -12,8 +12,8 @@
 
 namespace vdwmesh {
 
-// Which share of a whole array a rank makes: share `number` of `count`, which are of about equal
-// numbers of elements (begin_of_part()).
+// Which share of a whole array a rank makes: share `number` of `count`. Who fills it says how it is
+// divided, mostly by begin_of_part().
 struct ShareOfArray {
   std::uint64_t number, count;
 };

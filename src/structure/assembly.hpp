@@ -1,6 +1,6 @@
 // Biological assemblies: which chains of a file are copied, and which symmetry operators move the
-// copies. biomolecules.cpp (PDB) and mmcif_assembly.cpp fill the AssemblyTables; choose.cpp makes
-// the copies after a recipe. Internal header of this folder.
+// copies. biomolecules.cpp (PDB) and mmcif_assembly.cpp fill the AssemblyTables; choose.cpp lists
+// the copies after a recipe, and expanded() makes them.
 #pragma once
 
 #include <array>

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <gemmi/model.hpp>
 #include <map>
 #include <memory>
@@ -23,9 +22,9 @@
 #include <utility>
 
 #include "core/errors.hpp"
-#include "core/large_pages.hpp"
 #include "core/letters.hpp"
 #include "structure/assign_radii.hpp"
+#include "structure/copy_chain_names.hpp"
 #include "structure/hierarchy.hpp"
 #include "structure/lines.hpp"
 #include "structure/site.hpp"
@@ -84,55 +83,6 @@ ElementSymbols element_symbols() {
 std::int32_t model_number(const gemmi::Model& model) {
   const std::int64_t number = whole_number(model.name).value_or(0);
   return std::in_range<std::int32_t>(number) ? static_cast<std::int32_t>(number) : 0;
-}
-
-// Names the chains of an assembly: A1, A2, ... are the copies of chain A, numbered in the order in
-// which of() is first called for their combinations of operators. The same chain and combination
-// always get the same name, even if several parts of the recipe hold pieces of that chain.
-class CopyChainNames {
- public:
-  const std::string& of(const gemmi::Chain& chain, const OperatorCombination& combination) {
-    std::string& name = names_[{chain.name, combination}];
-    if (name.empty()) name = unused(chain.name);
-    return name;
-  }
-
- private:
-  // The next name that is free. A name may be taken already, because chain ids may end in digits:
-  // copy 1 of chain A1 and copy 11 of chain A would both be A11.
-  std::string unused(const std::string& chain) {
-    for (int& count = counts_[chain];;) {
-      std::string name = chain + std::to_string(++count);
-      if (used_.insert(name).second) return name;
-    }
-  }
-
-  std::map<std::pair<std::string, OperatorCombination>, std::string> names_;
-  std::map<std::string, int> counts_;  // chain -> the number that was tried last
-  std::set<std::string> used_;         // all names in names_
-};
-
-// Reserves memory for that many atoms.
-void make_room(std::size_t atoms, Molecule& molecule) {
-  molecule.atoms.reserve(atoms);
-  advise_large_pages(molecule.atoms.data(), atoms);
-}
-
-// Of the structure, with the copies.
-std::uint64_t count_atoms(const Molecule& molecule, const std::vector<ChainCopy>& copies) {
-  if (copies.empty()) return molecule.atoms.size();
-  std::uint64_t count = 0;
-  for (const ChainCopy& copy : copies) count += copy.count;
-  return count;
-}
-
-// Throws if a copy of an atom is too far away.
-void refuse_if_far(const Vec3d& p, const ChainCopy& copy, const Molecule& molecule) {
-  if (!is_far(p)) return;
-  throw FileFormatError(
-      fmt::format("{}: assembly {}: operator {} moves an atom to {:g}, {:g}, {:g} Å; coordinates "
-                  "of up to {:g} Å can be meshed",
-                  molecule.path, molecule.assembly, copy.operators, p.x, p.y, p.z, kFarthest));
 }
 
 // One call of choose_atoms(). sites_ holds the atoms that no step has dropped.
@@ -381,7 +331,7 @@ class Choice {
 
   // Each site once.
   void take_all() {
-    make_room(sites_.size(), molecule_);
+    reserve_atoms(sites_.size(), molecule_);
     for (const Site& site : sites_) take(site);
     molecule_.atoms_used = sites_.size();
   }
@@ -514,28 +464,6 @@ class Choice {
 UnexpandedMolecule choose_atoms(ParsedFile&& file, const ReadOptions& options,
                                 const RadiusTable& table) {
   return Choice(file, options).run(table);
-}
-
-bool is_far(const Vec3d& position) {
-  const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN
-  return !(is_near(position.x) && is_near(position.y) && is_near(position.z));
-}
-
-std::uint64_t UnexpandedMolecule::atom_count() const { return count_atoms(molecule, copies); }
-
-Molecule expanded(UnexpandedMolecule unexpanded) {
-  Molecule& molecule = unexpanded.molecule;
-  if (unexpanded.copies.empty()) return std::move(molecule);
-  const std::vector<Atom> unit = std::exchange(molecule.atoms, {});
-  make_room(unexpanded.atom_count(), molecule);
-  for (const ChainCopy& copy : unexpanded.copies)
-    for (std::uint64_t i = copy.first; i < copy.first + copy.count; ++i) {
-      Atom& atom = molecule.atoms.emplace_back(unit[i]);
-      atom.position = copy.map(atom.position);
-      atom.chain = copy.chain;
-      refuse_if_far(atom.position, copy, molecule);
-    }
-  return std::move(molecule);
 }
 
 }  // namespace vdwmesh

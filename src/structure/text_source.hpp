@@ -1,5 +1,5 @@
 // Reads a whole file into memory: plain or gzipped, from disk or from standard input. The structure
-// readers and the radius tables get their text here. Internal header of this folder.
+// readers and the radius tables get their text here.
 #pragma once
 
 #include <cstddef>

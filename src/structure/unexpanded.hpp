@@ -34,10 +34,12 @@ struct UnexpandedMolecule {
   // The copies that stand behind each other in the assembly. Empty: there is no assembly, and
   // `molecule` has all atoms already.
   std::vector<ChainCopy> copies;
-
-  // Of the structure, copies counted.
-  std::uint64_t atom_count() const;
 };
+
+// Of the structure, with the copies.
+std::uint64_t count_atoms(const Molecule& molecule, const std::vector<ChainCopy>& copies);
+// Reserves memory for that many atoms.
+void reserve_atoms(std::size_t atoms, Molecule& molecule);
 
 // What read_structure() reads, before the copies of an assembly are made, and read_structure()'s
 // last step. The first function throws what read_structure() throws, but for one failure that the

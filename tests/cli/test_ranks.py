@@ -393,14 +393,18 @@ class ExactUnions(RanksTest):
     def test_ranks_that_cannot_share_memory_take_copies(self):
         """The first rank may make no file of the size of the spheres, not even in memory."""
         limited = 'if [ "$OMPI_COMM_WORLD_RANK" = 0 ]; then ulimit -f 1; trap "" XFSZ; fi; exec "$@"'
-        start = command(3, "exact", UBIQUITIN)
-        expected = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
-        place = start.index(RANKS_PROGRAM)
-        start[place:place] = ["bash", "-c", limited, "bash"]
-        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
-        self.assertEqual(result.returncode, DONE, result.stderr)
         times = r"(?m)^(Time|CPU) \(s\).*$"
-        self.assertEqual(re.sub(times, "", result.stdout), re.sub(times, "", expected.stdout))
+        two = self.file("two.pdb", TWO_COPIES % "  11.50000" + UBIQUITIN.read_text())
+        lines = self.file("lines.xyzr", "".join(f"{3 * i} 0 0 1.{i % 9}\n" for i in range(300)))
+        for given in ((UBIQUITIN,), (two, "--assembly", "1"), (lines,)):
+            with self.subTest(given=given):
+                start = command(3, "exact", *given)
+                expected = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
+                place = start.index(RANKS_PROGRAM)
+                start[place:place] = ["bash", "-c", limited, "bash"]
+                result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment())
+                self.assertEqual(result.returncode, DONE, result.stderr)
+                self.assertEqual(re.sub(times, "", result.stdout), re.sub(times, "", expected.stdout))
 
     def test_json_on_standard_output_is_of_the_first_rank(self):
         self.run_ranks_ok(3, "exact", UBIQUITIN, "--json", self.folder / "file.json")

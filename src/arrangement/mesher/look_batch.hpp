@@ -14,8 +14,8 @@ namespace vdwmesh {
 
 class LookBatch {
  public:
-  // Takes the jobs one after another as long as all take at most so many bytes on a device, but
-  // those with too many points for one thread. Keeps a view of them.
+  // Takes the jobs in their order, each that still fits with those taken before in so many bytes on
+  // a device, but none with too many points for one thread. Keeps a view of them.
   LookBatch(std::span<const LookJob> jobs, std::uint64_t most_bytes);
 
   // Descending by size, so that threads side by side have about as much to do.

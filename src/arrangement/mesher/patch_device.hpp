@@ -1,6 +1,6 @@
-// Meshes many patches at once, in place of the host's threads. The CUDA backend is one
-// (cuda/mesher/). UnionMesher gives it patches whose boundaries are triangulated
-// (device_patches.hpp).
+// Looks at many boundaries, and meshes many patches, at once, in place of the host's threads. The
+// CUDA backend is one (cuda/mesher/). UnionMesher gives it boundaries that nobody has looked at,
+// and later patches whose boundaries are triangulated (device_patches.hpp).
 #pragma once
 
 #include <cstddef>

@@ -22,7 +22,8 @@ struct PlaneTypes {
     Place place;
   };
   // What became of a piece that should be an edge. It is crossed by another piece, or joins the
-  // same points as another one, or a third point lies on it; only `inserted` makes it one.
+  // same points as another one, or a third point lies on it; only `inserted` makes it one. After a
+  // failure of bounded memory it is `blocked`, too.
   enum class Outcome : std::uint8_t { inserted, doubled, crossing, blocked };
   // The points and triangles, without marks. With resume() one can go on from there later.
   struct State {

@@ -121,9 +121,9 @@ class HostedDevice final : public PatchDevice {
   std::size_t most_kept = ~std::size_t{0};  // patches; it returns the others at once
   std::size_t placed = 0, patches = 0, sent_again = 0;
   std::size_t no_room = 0, undecided = 0, broken_guards = 0;
-  // Of looks at boundaries: their memory, how many were asked for, and what became of them.
+  // Of looks at boundaries: their memory, how many it did, and what became of them.
   std::uint64_t most_bytes_of_look = ~std::uint64_t{0};
-  std::size_t looks = 0, undecided_looks = 0, not_simple = 0, other_looks = 0;
+  std::size_t looks = 0, undecided_looks = 0, not_simple = 0, no_room_looks = 0, other_looks = 0;
 
  private:
   struct Kept {
@@ -174,6 +174,7 @@ class HostedDevice final : public PatchDevice {
     ++looks;
     undecided_looks += out.failure == PatchFailure::undecided;
     not_simple += out.failure == PatchFailure::not_simple;
+    no_room_looks += out.failure == PatchFailure::no_room;
     if (out.failure != PatchFailure::none) return;
     const LookJob& job = jobs[batch.job(i)];
     const PatchProgress before = *job.progress;
@@ -260,7 +261,7 @@ TEST_P(BoundedPatches, SameBitsAndFewFailures) {
       failed += device.no_room + device.undecided;
       patches += device.patches;
       looks += device.looks;
-      left += device.undecided_looks + device.not_simple;
+      left += device.undecided_looks + device.not_simple + device.no_room_looks;
     }
   }
   EXPECT_GT(patches, 0u);
@@ -377,6 +378,19 @@ TEST(DeviceBatches, WhatIsNotKeptComesAtOnce) {
     device.most_kept = 3;
     expect_same_mesh(set.spheres, set.edge_length, device);
   }
+}
+
+TEST(FirstLooks, FitTheirMemoryAndHaveFewPoints) {
+  std::vector<PatchProgress> progress(2);
+  progress[0].boundary.points.resize(513);
+  progress[1].boundary.points.resize(512);
+  const std::vector<LookJob> jobs{{&progress[0], 1, 1}, {&progress[1], 1, 1}};
+  const LookBatch all(jobs, ~std::uint64_t{0});
+  ASSERT_EQ(all.looks().size(), 1u);
+  EXPECT_EQ(all.job(0), 1u);
+  // What a look says of itself and its requests count, too.
+  const std::uint64_t arrays = all.input_bytes() + all.state_bytes() + all.work_bytes();
+  EXPECT_TRUE(LookBatch(jobs, arrays).looks().empty());
 }
 
 // However little memory there is, no batch takes more, and no job is in two. What needs more than a

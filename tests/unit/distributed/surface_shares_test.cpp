@@ -202,5 +202,23 @@ void expect_only_near(HaloCounts halo) {
 TEST(SpheresNearRuns, OnlyThoseNearTheRun) { expect_only_near(HaloCounts::own); }
 TEST(SpheresNearRuns, OnlyThoseNearTheRunAlone) { expect_only_near(HaloCounts::given); }
 
+// Layers of bricks are 4 Å and the balls 1 Å apart, so the layer of the halo has some of its own.
+TEST(SpheresNearRuns, AreFewerIfTheHaloIsGiven) {
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 300; ++i) balls.push_back({{0, 0, 1.0 * i}, 2});
+  const SphereSet spheres(balls);
+  const FieldModel model = union_on(spheres, 0.5);
+  const std::vector<std::uint64_t> begins{0, brick_key({0, 0, 30}), brick_key({0, 0, 31}),
+                                          kNoBrickKey};
+  const auto count = [&](HaloCounts halo) {
+    return joined_blocks(4,
+                         [&](std::size_t block) {
+                           return spheres_near_runs(spheres, model, block, begins, halo);
+                         })[0]
+        .size();
+  };
+  EXPECT_LT(count(HaloCounts::given), count(HaloCounts::own));
+}
+
 }  // namespace
 }  // namespace vdwmesh
