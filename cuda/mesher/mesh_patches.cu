@@ -10,14 +10,14 @@
 namespace vdwmesh::mesher {
 namespace {
 
-// Threads of a block, and blocks of a multiprocessor: with more of these, threads have too few
-// registers.
+// Threads of a block, and blocks of a multiprocessor (docs/exact_mesh.md): with more of these,
+// threads have too few registers.
 constexpr unsigned kThreads = 64, kBlocks = 12;
 static_assert(kThreads * sizeof(PatchDesk) <= 48 * 1024, "what a block may have without asking");
 
 // Meshes one patch per thread, on the first `per_warp` lanes of each warp; 2 warps per thread
-// block, with a desk for each patch in shared memory. A thread's own memory is no place for it: the
-// words of 32 lanes lie side by side there, so the desks of few lanes take all of the cache.
+// block, with a desk for each patch in shared memory. In a thread's own memory the words of 32
+// lanes lie side by side, so the desk of one lane would take as much of the cache as 32.
 // patches_per_warp() says why not all lanes have a patch.
 __global__ void __launch_bounds__(kThreads, kBlocks)
     mesh(const BoundedPatch* patches, std::uint32_t count, PatchMemory memory,
