@@ -6,10 +6,9 @@
 // Steps: (1) Sample all arcs. (2) Mesh the patches in rounds. A round meshes its patches in
 // parallel, each by itself. A patch may return requests to split pieces of its boundary. The pieces
 // are split in the common sampling, and the patches on both sides of them are meshed again in the
-// next round, until there are no requests. There are two series of rounds. The first only tests the
-// boundaries, which is quick; the second makes triangles. (3) Number the vertices (corners, points
-// of arcs, interior points ball by ball) and copy the patches into one mesh (mesh_placement.hpp),
-// which goes to the team.
+// next round, until there are no requests. There are three series of rounds (mesh_rounds.hpp). (3)
+// Number the vertices (corners, points of arcs, interior points ball by ball) and copy the patches
+// into one mesh (mesh_placement.hpp), which goes to the team.
 //
 // Several processes may do this together (mesh_team.hpp). Each meshes the patches of a run of
 // balls. If all of them have arranged all balls, all split the pieces that any of them wants split.
@@ -37,6 +36,7 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/mesh_borders.hpp"
 #include "arrangement/mesher/mesh_placement.hpp"
+#include "arrangement/mesher/mesh_rounds.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_limits.hpp"
 #include "core/blocks.hpp"
@@ -44,12 +44,6 @@
 
 namespace vdwmesh {
 namespace {
-
-// All count the rounds of one series. In the first kQualityRounds rounds, or kAngleRounds if the
-// angles have a bound, pieces are split for the quality of triangles as well, afterwards only for
-// their validity. If there are still requests in round kMostRounds, the mesher gives up.
-constexpr int kQualityRounds = 12, kAngleRounds = 30;
-constexpr int kMostRounds = 60;
 
 // One run of the mesher; run() lists the steps.
 class UnionMesher {
@@ -146,7 +140,8 @@ class UnionMesher {
     return index_.arcs(ball).empty() && areas_[ball] > 2 * std::numbers::pi * r * r;
   }
 
-  // The two series of rounds: first the boundaries of all patches that have one, then all patches.
+  // The series of rounds: first the boundaries of all patches that have one, then all patches, then
+  // those that have an angle below its floor.
   void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
     for (std::uint32_t b = share_.balls.first; b < share_.balls.second; ++b) {
@@ -154,20 +149,23 @@ class UnionMesher {
       if (has_arcs) bounded.push_back(b);
       if (has_arcs || is_whole(b)) all.push_back(b);
     }
-    run_rounds(std::move(bounded), PatchStage::boundary);
-    run_rounds(std::move(all), PatchStage::triangles);
+    run_rounds(std::move(bounded), RoundSeries::boundaries);
+    run_rounds(all, RoundSeries::patches);
+    if (!has_floors(options_)) return;
+    std::erase_if(all, [&](std::uint32_t b) { return !patches_[b].has_angle_below_floor; });
+    run_rounds(std::move(all), RoundSeries::floors);
   }
 
   // One series of rounds: meshes the patches of `balls` in parallel, splits the pieces that they
   // ask for, and goes on with the balls on both sides of these pieces, until no process has
   // requests. All processes split the same pieces.
-  void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
+  void run_rounds(std::vector<std::uint32_t> balls, RoundSeries series) {
     for (int round = 1;; ++round) {
-      const Demand demand = has_quality(round) ? Demand::quality : Demand::validity;
+      const RoundDemands demands = demands_of(series, round, options_, leaves_room_);
       std::vector<PieceSplit> splits;
       std::uint32_t coincident = kNoIndex;
       team_.together([&] {
-        mesh_balls(balls, demand, stage);
+        mesh_balls(balls, series, demands);
         coincident = first_coincident(balls);
         splits = wanted_splits(balls);
       });
@@ -195,7 +193,7 @@ class UnionMesher {
         fits = pieces_fit();
         std::vector<std::uint32_t> next = sides_of(boundary_, last_splits_);
         std::erase_if(next, [&](std::uint32_t b) { return !share_.has_patch_of(b); });
-        if (on_device_) share_with_device(balls, next, stage);
+        if (on_device_) share_with_device(balls, next, demands.stage);
         balls = std::move(next);
       });
       const SplitLimits::Growth growth{pieces_at_first_, all_pieces(), team_.least(fits) != 0,
@@ -204,12 +202,6 @@ class UnionMesher {
       if (options_.min_angle > 0) leaves_room_ = leaves_room_ && limits_.leave_room(last_splits_);
     }
   }
-
-  // Whether pieces are split for the angles of triangles, and for their quality, in this round.
-  bool has_angles(int round) const {
-    return options_.min_angle > 0 && leaves_room_ && round <= kAngleRounds;
-  }
-  bool has_quality(int round) const { return round <= kQualityRounds || has_angles(round); }
 
   // Does a check that may throw CurvesTooClose. If all processes have arranged all balls, it comes
   // to the same in all of them; parts have to tell each other.
@@ -228,20 +220,21 @@ class UnionMesher {
   }
 
   // One round.
-  void mesh_balls(const std::vector<std::uint32_t>& balls, Demand demand, PatchStage stage) {
+  void mesh_balls(const std::vector<std::uint32_t>& balls, RoundSeries series,
+                  const RoundDemands& demands) {
     if (balls.empty()) return;
-    begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
-                balls.size());
+    const bool is_boundary = series == RoundSeries::boundaries;
+    begin_stage(options_.monitor, is_boundary ? "sample arcs" : "mesh patches", balls.size());
     const auto mesh_all = [&](const std::vector<std::uint32_t>& some) {
       tbb::parallel_for(std::size_t{0}, some.size(), [&](std::size_t i) {
-        mesh_ball(some[i], demand, stage);
+        mesh_ball(some[i], demands);
         advance(options_.monitor, 1);
       });
     };
     const bool is_first = last_splits_.empty();
-    if (!on_device_) {
+    if (!on_device_ || series == RoundSeries::floors) {
       mesh_all(balls);
-    } else if (stage == PatchStage::triangles) {
+    } else if (!is_boundary) {
       mesh_all(is_first ? mesh_beside_device(balls) : balls);
     } else if (is_first) {
       look_beside_device(balls);
@@ -274,14 +267,17 @@ class UnionMesher {
   // Meshes the patch of one ball into patches_[ball]. Threads run this at the same time for
   // different balls. An error about coincident points must not depend on which thread comes first,
   // so such points are only noted here (first_coincident()).
-  void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
+  void mesh_ball(std::uint32_t ball, const RoundDemands& demands) {
     PatchOptions options = patch_options(ball);
     if (is_whole(ball)) {
       patches_[ball] = mesh_sphere(options.edge_length);
       return;
     }
-    options.demand = demand;
-    options.stage = stage;
+    options.demand = demands.demand;
+    options.stage = demands.stage;
+    const ArcsOfPatch arcs{boundary_, sampling_, limits_, ball, t_.balls[ball].radius};
+    if (has_floors(options_)) options.arcs = &arcs;
+    options.raises_angles = demands.raises_angles;
     PatchProgress& progress = up_to_date(ball);
     try {
       PatchMesh& patch = patches_[ball] = mesh_patch(progress, options, scratch_.local());
@@ -294,7 +290,7 @@ class UnionMesher {
   // The first round, if there is a device: it looks at boundaries, too.
   void look_beside_device(const std::vector<std::uint32_t>& balls) {
     const auto look = [this](std::uint32_t b) {
-      mesh_ball(b, Demand::quality, PatchStage::boundary);
+      mesh_ball(b, {PatchStage::boundary, Demand::quality});
     };
     const auto begin = [this](std::uint32_t b) {
       const PatchOptions options = patch_options(b);
@@ -356,7 +352,7 @@ class UnionMesher {
     send_to_device(of_host, HostWork::patches);
     on_device_->finish([&] {
       tbb::parallel_for(std::size_t{0}, of_host.size(), [&](std::size_t i) {
-        mesh_ball(of_host[i], Demand::quality, PatchStage::triangles);
+        mesh_ball(of_host[i], {PatchStage::triangles, Demand::quality});
         advance(options_.monitor, 1);
       });
     });
