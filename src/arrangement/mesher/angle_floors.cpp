@@ -62,9 +62,14 @@ bool AngleFloors::has_angle_below(const PatchTriangles& patch) const {
   return visit_below(patch, [](const LinkedTriangle&, std::uint32_t) { return true; });
 }
 
+// An angle is opposite to an edge e. For the sine s of the floor, the edges beside it must be as
+// short as e / s, or nearly. Where this is shorter than half of the shortest piece that is split,
+// as over arcs of 1e-8 of the edge length, splits would only make more such angles.
 void AngleFloors::find(const PatchTriangles& patch, PatchVector<PieceSplit>& found) const {
   visit_below(patch, [&](const LinkedTriangle& t, std::uint32_t k) {
-    ask(t, k, found);
+    const double opposite = norm(patch.points[t.vertices[corner_after(k)]] -
+                                 patch.points[t.vertices[corner_before(k)]]);
+    if (2 * opposite > kFloorSine * shortest_) ask(t, k, found);
     return false;
   });
 }

@@ -25,9 +25,6 @@ struct RoundDemands {
   bool raises_angles = false;  // above their floors
 };
 
-// A bound on the angles, with excuses of its own, takes the place of the floors.
-inline bool has_floors(const ExactMeshOptions& options) { return options.min_angle == 0; }
-
 // `leaves_room`: whether no arc has so many pieces that splits for a bound on the angles must end.
 inline RoundDemands demands_of(RoundSeries series, int round, const ExactMeshOptions& options,
                                bool leaves_room) {

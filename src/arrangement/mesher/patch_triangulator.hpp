@@ -21,6 +21,7 @@
 
 #include "arrangement/directions.hpp"
 #include "arrangement/mesher/angle_floors.hpp"
+#include "arrangement/mesher/cap_margins.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/inside_marks.hpp"
 #include "arrangement/mesher/patch_angles.hpp"
@@ -28,7 +29,6 @@
 #include "arrangement/mesher/patch_work.hpp"
 #include "arrangement/mesher/piece_lens.hpp"
 #include "arrangement/mesher/stereographic.hpp"
-#include "arrangement/sine_cosine.hpp"
 #include "core/monitor.hpp"
 
 namespace vdwmesh {
@@ -82,12 +82,11 @@ class PatchTriangulator {
     bad_sine_ = std::max(kBadAngleSine, angles.sine_before_smoothing());
   }
 
-  // Angles shall keep their floors: the patch is smoothed more often where they do not, and pieces
-  // may be split. Not for the device.
+  // The patch is smoothed more often, and pieces are split, for the floors. Not for the device.
   void raise_angles(const AngleFloors& floors) { floors_ = &floors; }
 
-  // Fills work.splits, or else, after the stage of triangles, the interior points and triangles.
-  // Returns whether these have an angle below kFloorOfAngles.
+  // Fills work.splits, or else, after the stage of triangles, the interior points and triangles,
+  // and returns whether these have an angle below kFloorOfAngles.
   VDWMESH_HD bool run(Demand demand, PatchStage stage) {
     splits_.clear();
     work_.interior.clear();
@@ -143,11 +142,9 @@ class PatchTriangulator {
     if constexpr (Memory::kIsBounded) {
       plane_.leave_small_angle();
     } else {
-      for (int pass = 0; floors_ && floors_->has_angle_below(patch_); ++pass) {
-        if (pass == kMoreSmoothingPasses) {
-          floors_->find(patch_, splits_);
-          return false;
-        }
+      if (!floors_) return false;
+      for (int pass = 0; floors_->has_angle_below(patch_); ++pass) {
+        if (pass == kMoreSmoothingPasses) return floors_->find(patch_, splits_), false;
         smooth<Memory>(boundary_, circles_, 1, work_.smoothing, patch_);
         if (!ask_for_valid_triangles()) return true;
       }
@@ -273,38 +270,17 @@ class PatchTriangulator {
   }
 
   // Step (3): inserts the points of the subdivided icosahedron that are outside all caps by the
-  // margin. The cosine of a cap's angular radius with the margin is that of a sum. If the sum is
-  // more than half a turn, so that they cover the whole sphere, the bound of -2 admits no point.
+  // margin.
   VDWMESH_HD void insert_lattice() {
-    const SineCosine margin = sine_cosine(kLatticeMargin * edge_length_);
-    work_.margins.clear();
-    for (const CoveredCap& cap : boundary_.caps) {
-      const double c = std::min(std::max(cap.cosine, -1.0), 1.0);
-      const double sum = c * margin.cosine - std::sqrt((1 - c) * (1 + c)) * margin.sine;
-      work_.margins.push_back(c > -margin.cosine ? sum : -2);
-    }
+    CapMargins<Memory> margins(boundary_.caps, kLatticeMargin * edge_length_, work_.margins);
     std::uint32_t near = plane_.triangle_at(0);
     for (const Vec3d& u : lattice_.points(edge_length_)) {
-      if (!is_clear(u)) continue;
+      if (!margins.is_clear(u)) continue;
       const PlanePoint p = projection_.project(u);
       const Location at = plane_.locate(p, near);
       near = at.triangle;
       if (is_free(at)) near = plane_.triangle_at(insert_interior(u, p, at));
     }
-  }
-
-  // Begins with the cap that the point before was too near to: mostly this one is, too.
-  VDWMESH_HD bool is_clear(const Vec3d& u) {
-    const auto is_near = [&](std::size_t cap) {
-      return !(dot(u, boundary_.caps[cap].axis) <= work_.margins[cap]);
-    };
-    if (is_near(last_cap_)) return false;
-    for (std::size_t i = 0; i < work_.margins.size(); ++i) {
-      if (!is_near(i)) continue;
-      last_cap_ = i;
-      return false;
-    }
-    return true;
   }
 
   VDWMESH_HD bool is_buried(const Vec3d& u) const {
@@ -508,7 +484,6 @@ class PatchTriangulator {
   const AngleFloors* floors_ = nullptr;
   double bad_sine_ = kBadAngleSine;
   Stereographic projection_;
-  std::size_t last_cap_ = 0;  // of is_clear(); there is one at least
   Lattice& lattice_;
   PatchWork<Memory>& work_;
   // Parts of the work.

@@ -8,7 +8,7 @@
 // are split in the common sampling, and the patches on both sides of them are meshed again in the
 // next round, until there are no requests. There are three series of rounds (mesh_rounds.hpp). (3)
 // Number the vertices (corners, points of arcs, interior points ball by ball) and copy the patches
-// into one mesh (mesh_placement.hpp), which goes to the team.
+// into one mesh, which goes to the team.
 //
 // Several processes may do this together (mesh_team.hpp). Each meshes the patches of a run of
 // balls. If all of them have arranged all balls, all split the pieces that any of them wants split.
@@ -50,8 +50,9 @@ class UnionMesher {
  public:
   UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
               const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
-              const OwnedPart* part)
+              const OwnedPart* part, bool has_floors)
       : options_(options),
+        has_floors_(has_floors),
         team_(team),
         t_(arrangement.balls),
         areas_(arrangement.boundary.areas),
@@ -77,6 +78,9 @@ class UnionMesher {
         options_.monitor);
   }
 
+  // Whether run() has come to its last series of rounds, and the boundary that it was given.
+  bool is_raising_angles() const { return is_raising_angles_; }
+  BoundaryArcs boundary() && { return std::move(boundary_); }
   ExactMeshStats run() && {
     team_.together([&] {
       const PatchExtents extents{areas_, edge_lengths_};
@@ -85,9 +89,7 @@ class UnionMesher {
     });
     pieces_at_first_ = all_pieces();
     mesh_patches();
-    // None without a bound.
-    for (const PatchMesh& patch :
-         options_.min_angle > 0 ? std::span(patches_) : std::span<PatchMesh>()) {
+    for (const PatchMesh& patch : patches_) {
       stats_.below_min_angle_at_corners += patch.below.at_corners;
       stats_.below_min_angle += patch.below.elsewhere;
     }
@@ -151,7 +153,8 @@ class UnionMesher {
     }
     run_rounds(std::move(bounded), RoundSeries::boundaries);
     run_rounds(all, RoundSeries::patches);
-    if (!has_floors(options_)) return;
+    if (!has_floors_) return;
+    is_raising_angles_ = true;
     std::erase_if(all, [&](std::uint32_t b) { return !patches_[b].has_angle_below_floor; });
     run_rounds(std::move(all), RoundSeries::floors);
   }
@@ -204,22 +207,12 @@ class UnionMesher {
   }
 
   // Does a check that may throw CurvesTooClose. If all processes have arranged all balls, it comes
-  // to the same in all of them; parts have to tell each other.
+  // to the same in all of them.
   template <class Check>
   void agree(const Check& check) const {
-    if (!borders_) return check();
-    bool refused = false;
-    try {
-      check();
-    } catch (const CurvesTooClose&) {
-      refused = true;
-    }
-    if (team_.sum(std::uint64_t{refused}) > 0) {
-      throw CurvesTooClose("curves of a part are too close to be told apart");
-    }
+    borders_ ? borders_->agree(check) : check();
   }
 
-  // One round.
   void mesh_balls(const std::vector<std::uint32_t>& balls, RoundSeries series,
                   const RoundDemands& demands) {
     if (balls.empty()) return;
@@ -276,7 +269,7 @@ class UnionMesher {
     options.demand = demands.demand;
     options.stage = demands.stage;
     const ArcsOfPatch arcs{boundary_, sampling_, limits_, ball, t_.balls[ball].radius};
-    if (has_floors(options_)) options.arcs = &arcs;
+    if (has_floors_) options.arcs = &arcs;
     options.raises_angles = demands.raises_angles;
     PatchProgress& progress = up_to_date(ball);
     try {
@@ -458,6 +451,7 @@ class UnionMesher {
   }
 
   ExactMeshOptions options_;
+  bool has_floors_, is_raising_angles_ = false;  // the latter in the last series of rounds
   MeshTeam& team_;
   const PlacedBalls& t_;
   const std::vector<double>& areas_;  // by ball
@@ -478,19 +472,29 @@ class UnionMesher {
   // By ball. The elements are bytes and not bits, because several threads set them.
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
-  // Empty without a device. It comes last: its thread, which ends with it, reads the others.
+  // Empty without a device. Last, since its thread, which ends with it, reads the others.
   std::optional<DevicePatches> on_device_;
 };
 
 }  // namespace
 
+// A bound on the angles, with excuses of its own, takes the place of the floors. If curves come too
+// close only where pieces are split for floors, the mesh is made without.
 ExactMeshStats mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
                              const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
                              const OwnedPart* part) {
   std::optional<UnionMesher> mesher;
-  team.together(
-      [&] { mesher.emplace(arrangement, std::move(boundary), options, device, team, part); });
-  return std::move(*mesher).run();
+  for (bool has_floors = options.min_angle == 0;; has_floors = false) {
+    team.together([&] {
+      mesher.emplace(arrangement, std::move(boundary), options, device, team, part, has_floors);
+    });
+    try {
+      return std::move(*mesher).run();
+    } catch (const CurvesTooClose&) {
+      if (!mesher->is_raising_angles()) throw;
+    }
+    boundary = std::move(*mesher).boundary();
+  }
 }
 
 }  // namespace vdwmesh
