@@ -62,6 +62,15 @@ bool AngleFloors::has_angle_below(const PatchTriangles& patch) const {
   return visit_below(patch, [](const LinkedTriangle&, std::uint32_t) { return true; });
 }
 
+std::uint64_t AngleFloors::count(const PatchTriangles& patch) const {
+  std::uint64_t below = 0;
+  visit_below(patch, [&](const LinkedTriangle&, std::uint32_t) {
+    ++below;
+    return false;
+  });
+  return below;
+}
+
 // An angle is opposite to an edge e. For the sine s of the floor, the edges beside it must be as
 // short as e / s, or nearly. Where this is shorter than half of the shortest piece that is split,
 // as over arcs of 1e-8 of the edge length, splits would only make more such angles.

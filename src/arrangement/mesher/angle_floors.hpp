@@ -44,6 +44,7 @@ class AngleFloors {
   AngleFloors(const PatchBoundaryView& boundary, const ArcsOfPatch& arcs, double edge_length);
 
   bool has_angle_below(const PatchTriangles& patch) const;
+  std::uint64_t count(const PatchTriangles& patch) const;  // of those below
   // Appends a request to split a piece for each angle below its floor, if there is one that may be
   // split: one neither too short nor too straight, on an arc that has not too many.
   void find(const PatchTriangles& patch, PatchVector<PieceSplit>& found) const;

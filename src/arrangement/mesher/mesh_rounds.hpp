@@ -5,9 +5,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "arrangement/exact_mesher.hpp"
-#include "arrangement/mesher/patch_work.hpp"
+#include "arrangement/mesher/patch_mesher.hpp"
 
 namespace vdwmesh {
 
@@ -33,6 +34,12 @@ inline RoundDemands demands_of(RoundSeries series, int round, const ExactMeshOpt
   const bool has_quality = round <= kQualityRounds || bounds || raises;
   return {series == RoundSeries::boundaries ? PatchStage::boundary : PatchStage::triangles,
           has_quality ? Demand::quality : Demand::validity, raises};
+}
+
+inline std::uint64_t angles_below_floor(std::span<const PatchMesh> patches) {
+  std::uint64_t count = 0;
+  for (const PatchMesh& patch : patches) count += patch.below_floor;
+  return count;
 }
 
 }  // namespace vdwmesh

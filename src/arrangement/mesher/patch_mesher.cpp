@@ -45,7 +45,7 @@ static inline void triangulate(const PatchBoundary& boundary, const PatchOptions
   mesh.triangles = scratch.triangles;
   mesh.splits = scratch.splits;
   if (bound && mesh.splits.empty()) mesh.below = bound->count(scratch.patch);
-  mesh.has_angle_below_floor = floors && has_small_angle && floors->has_angle_below(scratch.patch);
+  if (floors && has_small_angle) mesh.below_floor = floors->count(scratch.patch);
 }
 
 // The frame has three corners.

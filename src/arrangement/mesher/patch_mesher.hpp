@@ -34,7 +34,7 @@ struct PatchOptions {
   // split for it, unless an arc has so many pieces that this has to end.
   double min_angle = 0;
   bool splits_for_angles = true;
-  // If not null, PatchMesh says whether an angle is below its floor; and if `raises_angles`, the
+  // If not null, PatchMesh says how many angles are below their floors; and if `raises_angles`, the
   // patch is smoothed more often and pieces are split so that none is (angle_floors.hpp).
   const ArcsOfPatch* arcs = nullptr;
   bool raises_angles = false;
@@ -50,9 +50,9 @@ struct PatchMesh {
   PatchVector<Vec3d> interior;                          // unit vectors from the sphere's centre
   PatchVector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   PatchVector<PieceSplit> splits;                       // requests, each piece once
-  std::uint64_t exact_tests = 0;       // tests that double precision did not decide
-  SmallAngles below = {};              // triangles below PatchOptions::min_angle
-  bool has_angle_below_floor = false;  // only looked for if there are PatchOptions::arcs
+  std::uint64_t exact_tests = 0;  // tests that double precision did not decide
+  SmallAngles below = {};         // triangles below PatchOptions::min_angle
+  std::uint64_t below_floor = 0;  // angles; only looked for if there are PatchOptions::arcs
   // Of the points of the boundary. mesh_patch() leaves it empty; UnionMesher fills it.
   PatchVector<PointSource> sources = {};
 };

@@ -134,9 +134,8 @@ class UnionMesher {
     return borders_ ? team_.sum(std::uint64_t{run.second - run.first}) : here;
   }
 
-  // Whether the ball's sphere is exposed as a whole, but for points of contact. Without arcs it is
-  // exposed entirely or not at all, but for such points: its exposed area is near 4 pi r² or near
-  // 0, and comparing with half of the sphere's area tells the two apart despite rounding.
+  // Whether the ball's sphere is exposed as a whole, but for points of contact. Without arcs its
+  // exposed area is near 4 pi r² or near 0: half of the sphere's tells them apart despite rounding.
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;
     return index_.arcs(ball).empty() && areas_[ball] > 2 * std::numbers::pi * r * r;
@@ -153,10 +152,12 @@ class UnionMesher {
     }
     run_rounds(std::move(bounded), RoundSeries::boundaries);
     run_rounds(all, RoundSeries::patches);
-    if (!has_floors_) return;
+    const std::uint64_t below = has_floors_ ? team_.sum(angles_below_floor(patches_)) : 0;
+    if (below == 0) return;
     is_raising_angles_ = true;
-    std::erase_if(all, [&](std::uint32_t b) { return !patches_[b].has_angle_below_floor; });
+    std::erase_if(all, [&](std::uint32_t b) { return patches_[b].below_floor == 0; });
     run_rounds(std::move(all), RoundSeries::floors);
+    if (team_.sum(angles_below_floor(patches_)) >= below) throw CurvesTooClose("for floors");
   }
 
   // One series of rounds: meshes the patches of `balls` in parallel, splits the pieces that they
@@ -257,9 +258,8 @@ class UnionMesher {
             .area = areas_[ball] / (r * r)};
   }
 
-  // Meshes the patch of one ball into patches_[ball]. Threads run this at the same time for
-  // different balls. An error about coincident points must not depend on which thread comes first,
-  // so such points are only noted here (first_coincident()).
+  // Meshes the patch of one ball into patches_[ball], for several balls at the same time. An error
+  // must not depend on which thread comes first: coincident points are noted (first_coincident()).
   void mesh_ball(std::uint32_t ball, const RoundDemands& demands) {
     PatchOptions options = patch_options(ball);
     if (is_whole(ball)) {
@@ -402,12 +402,11 @@ class UnionMesher {
     return splits;
   }
 
-  // Builds the piece of this process. Its vertices are corners and points of arcs, in the order of
-  // the numbers that the sampling has given them, then the interior points ball by ball; the
-  // patches of other processes are empty here. Every ball writes to index ranges of its own, from
-  // first_vertex and first_triangle on, so balls run in parallel. A patch is freed once it is
-  // copied. The device writes what it has kept, while the host writes corners and arcs; then come
-  // the patches of the host, over whatever the device has written there.
+  // Builds the piece of this process. Its vertices are corners and points of arcs, as the sampling
+  // has numbered them, then the interior points ball by ball; the patches of other processes are
+  // empty here. Every ball writes to index ranges of its own, so balls run in parallel. The device
+  // writes what it has kept, while the host writes corners and arcs; then come the patches of the
+  // host, over whatever the device has written there.
   void assemble(UnnumberedPiece& piece) {
     IndexedMesh& mesh = piece.mesh;
     MeshPlacement placement(t_, boundary_, sampling_, index_, share_);
@@ -479,7 +478,8 @@ class UnionMesher {
 }  // namespace
 
 // A bound on the angles, with excuses of its own, takes the place of the floors. If curves come too
-// close only where pieces are split for floors, the mesh is made without.
+// close only where pieces are split for floors, or no fewer angles are below them then, as between
+// curves that all but coincide, the mesh is made without.
 ExactMeshStats mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
                              const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
                              const OwnedPart* part) {
