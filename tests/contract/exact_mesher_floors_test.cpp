@@ -5,14 +5,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "contract/exact_mesher_contract.hpp"
 #include "core/errors.hpp"
+#include "support/floor_sets.hpp"
 #include "support/sphere_recipes.hpp"
 #include "unit/arrangement/union_reference_sets.hpp"
 
@@ -46,18 +45,6 @@ TEST_P(ExactMesherFloors, Molecules) {
   }
 }
 
-// Four spheres whose radii differ by little from those that pass through one point, on one side of
-// it: two of them meet in an arc about as long as the difference.
-SphereSet short_arc(double difference) {
-  const Vec3d corner{0.3, 0.2, 0.1};
-  const std::vector<Vec3d> centers{
-      {1, 0.2, -1}, {-0.9, 0.8, -1.1}, {-0.7, -1, -0.9}, {0.6, -0.8, -1.2}};
-  std::vector<Sphere> balls;
-  for (const Vec3d& c : centers) balls.push_back({c, norm(c - corner)});
-  balls[0].radius += difference;
-  return SphereSet(std::move(balls));
-}
-
 TEST_P(ExactMesherFloors, ShortArcs) {
   for (const double difference : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 2e-7}) {
     for (const double edge_length : {0.5, 0.2}) {
@@ -69,25 +56,22 @@ TEST_P(ExactMesherFloors, ShortArcs) {
   }
 }
 
-// A unit ball between two others, whose circles on it lie at the distances h and k from its centre
-// and cross in two points, with a strip between them that ends in two corners of this angle; and a
-// fourth ball that takes away one of the two, so that the pieces at the other differ in length. The
-// cosine of the angle is -(n·m - h k) / (√(1 - h²) √(1 - k²)) for the directions n and m of the
-// two.
-SphereSet strip(double degrees, double h, double k) {
-  const double cosine = std::cos(degrees * std::numbers::pi / 180);
-  const double dots = -cosine * std::sqrt((1 - h * h) * (1 - k * k)) + h * k;
-  // The radii of the others are 1, at twice the distance of their circles.
-  const Vec3d n{1, 0, 0}, m{dots, std::sqrt(1 - dots * dots), 0};
-  return SphereSet({{{0, 0, 0}, 1}, {2 * h * n, 1}, {2 * k * m, 1}, {{0.1, 0.35, -1.15}, 0.8}});
-}
-
+// The strip's two arcs are of different length; and of different edge lengths, so that the pieces
+// at their corners are, too.
 TEST_P(ExactMesherFloors, SharpCorners) {
   for (const double degrees : {20.0, 8.0, 3.0, 1.0, 0.3, 0.1, 0.01}) {
     for (const double k : {0.2, 0.3, 0.45}) {
-      SCOPED_TRACE(std::to_string(degrees) + "°, " + std::to_string(k));
-      const AngleCensus census = expect_floors(strip(degrees, 0.2, k), 0.3);
-      EXPECT_LE(census.sharpest_corner, degrees * (1 + 1e-6));
+      for (const double beside : {0.3, 0.19}) {
+        SCOPED_TRACE(std::to_string(degrees) + "°, " + std::to_string(k) + ", edges " +
+                     std::to_string(beside));
+        const SphereSet spheres = strip(degrees, 0.2, k);
+        const std::vector<double> lengths{0.3, 0.3, beside, 0.3};
+        const IndexedMesh mesh = mesh_with(spheres, {.edge_lengths = lengths}).mesh;
+        expect_union_mesh(spheres, mesh, exact_union(spheres), {});
+        const AngleCensus census = angle_census(spheres, mesh);
+        EXPECT_EQ(census.unexplained, 0u) << census.text();
+        EXPECT_LE(census.sharpest_corner, degrees * (1 + 1e-6));
+      }
     }
   }
 }
@@ -114,7 +98,7 @@ TEST_P(ExactMesherFloors, SetsOfAllKinds) {
 }
 
 TEST_P(ExactMesherFloors, AnyNumberOfThreads) {
-  const SphereSet spheres = short_arc(1e-5);
+  const SphereSet spheres = strip(0.01, 0.2, 0.45);
   const IndexedMeshHash all = hash(mesh_at(spheres, 0.3).mesh);
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(hash(mesh_at(spheres, 0.3).mesh), all);
