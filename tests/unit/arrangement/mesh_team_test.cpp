@@ -194,8 +194,11 @@ TEST(MeshTeam, PartsOfSetsUnlikeProteinsAreThoseOfOneProcess) {
 
 // Pieces on a border are halved and cut for the floors of angles, by all members alike.
 TEST(MeshTeam, FloorsOfAngles) {
-  for (const SphereSet& spheres :
-       {short_arc(1e-5), strip(0.01, 0.2, 0.45), strip(0.01, 0.3, 0.6)}) {
+  std::vector<SphereSet> sets{short_arc(1e-5)};
+  for (const double h : {0.1, 0.2, 0.3}) {
+    for (const double k : {0.2, 0.45, 0.6}) sets.push_back(strip(0.01, h, k));
+  }
+  for (const SphereSet& spheres : sets) {
     for (const std::size_t members : {2u, 3u, 4u}) EXPECT_TRUE(expect_same_by(members, spheres));
   }
 }
