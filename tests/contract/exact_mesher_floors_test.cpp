@@ -10,9 +10,7 @@
 #include <vector>
 
 #include "contract/exact_mesher_contract.hpp"
-#include "core/errors.hpp"
 #include "support/floor_sets.hpp"
-#include "support/sphere_recipes.hpp"
 #include "unit/arrangement/union_reference_sets.hpp"
 
 namespace vdwmesh::testing {
@@ -74,27 +72,6 @@ TEST_P(ExactMesherFloors, SharpCorners) {
       }
     }
   }
-}
-
-// Sound, as announced, and never refused where it was not: nearly degenerate sets too.
-TEST_P(ExactMesherFloors, SetsOfAllKinds) {
-  std::uint64_t below = 0;
-  for (unsigned seed = 0; seed < 96; ++seed) {
-    const SeededSet set = seeded_set(seed);
-    const SphereRecipe& recipe = sphere_recipes()[set.recipe];
-    SCOPED_TRACE("seed " + std::to_string(seed) + ", " + std::string(recipe.name));
-    try {
-      const ExactMesh made = mesh_at(set.spheres, set.edge_length);
-      expect_union_mesh(set.spheres, made.mesh, exact_union(set.spheres),
-                        demands_of_set(set, made.stats));
-      if (recipe.position == Position::general) {
-        below += angle_census(set.spheres, made.mesh).unexplained;
-      }
-    } catch (const LimitExceeded&) {
-      EXPECT_EQ(recipe.name, "pencils");
-    }
-  }
-  EXPECT_EQ(below, 0u);
 }
 
 TEST_P(ExactMesherFloors, AnyNumberOfThreads) {
