@@ -27,9 +27,9 @@ AngleCensus expect_floors(const SphereSet& spheres, double edge_length) {
   return census;
 }
 
-// Without anything for the floors these have 1 to 6 angles below theirs: the first two between
-// arcs that meet at 1° or less and across narrow places, the third over an arc of 2e-5 Å, the last
-// one by what a second smoothing mends.
+// Without anything for the floors these have 1 to 5 angles below theirs: the first three between
+// arcs that meet at 1° and across narrow places, the fourth over an arc of 2e-5 Å, the last one
+// across narrow places.
 TEST_P(ExactMesherFloors, Molecules) {
   VDWMESH_NEEDS_SHARED("reference/union_of_balls.csv");
   struct Case {
