@@ -1,6 +1,7 @@
 // Looks for what is commonly wrong with mesh files before their figures mislead: vertices that
-// several triangles hold apart, units other than Å, and a mesh that was moved. Nothing is put right
-// but what closes the mesh, and that is noted; for the rest a warning says what it looks like.
+// several triangles hold apart, units other than Å, a mesh that was moved or is of another surface.
+// Nothing is put right but what closes the mesh, and that is noted; for the rest a warning says
+// what it looks like.
 #include "compare_hints.hpp"
 
 #include <fmt/format.h>
@@ -19,6 +20,10 @@ namespace {
 constexpr double kSmall = 0.5, kLarge = 2;
 // So is a distance between the middles of the two boxes above this share of the spheres' diagonal.
 constexpr double kAside = 0.25;
+// And a volume above this many times that of the balls. Meshes of their surface have less, but the
+// excluded surface of a protein has 1.4 times the volume of its atoms, the accessible one 2.3
+// times.
+constexpr double kOtherVolume = 1.15;
 
 // The box of the triangles. Vertices that no triangle names are no part of the surface.
 Box box_of(const IndexedMesh& mesh) {
@@ -64,22 +69,33 @@ bool weld_if_that_closes(MeshFile& file, std::uint64_t memory_limit, Report& rep
 }
 
 // Sizes are compared first, because a mesh in other units lies elsewhere as well.
-void warn_of_place(const IndexedMesh& mesh, const SphereSet& spheres, Report& report) {
+bool warn_of_place(const IndexedMesh& mesh, const SphereSet& spheres, Report& report) {
   const Box ours = bounding_box(spheres), theirs = box_of(mesh);
   const double size = norm(ours.upper - ours.lower);
   const double ratio = norm(theirs.upper - theirs.lower) / size;
   if (ratio < kSmall || ratio > kLarge) {
     report.warn_if(true, "the mesh is {:.3g} times as large as the molecule{}", ratio,
                    unit_of(ratio));
-    return;
+    return true;
   }
   const double aside = norm(0.5 * (theirs.lower + theirs.upper) - 0.5 * (ours.lower + ours.upper));
-  if (!(aside > kAside * size)) return;
+  if (!(aside > kAside * size)) return false;
   report.warn_if(
       true,
       "the mesh lies {:.3g} Å from the molecule, middle to middle: was one of them moved, "
       "to the origin for example?",
       aside);
+  return true;
+}
+
+void warn_of_surface(Report& report) {
+  const std::optional<double>& volume = report.mesh->measures.volume;  // empty: not closed
+  if (!volume) return;
+  const double ratio = std::abs(*volume) / report.exact->volume;  // below 0: turned inside out
+  report.warn_if(ratio > kOtherVolume,
+                 "the mesh has {:.3g} times the exact volume: is it of another surface? --surface "
+                 "excluded is the solvent-excluded one, --probe 1.4 the accessible one",
+                 ratio);
 }
 
 }  // namespace vdwmesh::apps

@@ -13,7 +13,12 @@ namespace vdwmesh::apps {
 // merging would need more than memory_limit bytes.
 bool weld_if_that_closes(MeshFile& file, std::uint64_t memory_limit, Report& report);
 
-// Warns of a mesh that is much larger or smaller than the spheres, or lies elsewhere.
-void warn_of_place(const IndexedMesh& mesh, const SphereSet& spheres, Report& report);
+// Warns of a mesh that is much larger or smaller than the spheres, or lies elsewhere. Returns
+// whether it did.
+bool warn_of_place(const IndexedMesh& mesh, const SphereSet& spheres, Report& report);
+
+// Warns of a closed mesh with much more volume than the balls, as if it was of another surface.
+// Needs the measures of both in the report.
+void warn_of_surface(Report& report);
 
 }  // namespace vdwmesh::apps

@@ -195,8 +195,8 @@ void run_batch_verb(const Options& options) {
                                                });
   session.end_progress();
   if (source->left_out() > 0)
-    print_warnings({fmt::format("{} files have no extension of a structure and were left out",
-                                source->left_out())});
+    print_warnings({fmt::format("{} of the files had no extension of a structure and {} left out",
+                                source->left_out(), source->left_out() == 1 ? "was" : "were")});
   const std::uint64_t rows = kept.rows + made;
   refuse_if(rows == 0 && choice.shard.count == 1,
             "{}: holds no structures; their names end in .pdb .ent .cif .mmcif .bcif .pqr or "

@@ -69,12 +69,13 @@ void run_compare(const Options& options) {
   demand.distances = options.distances.distances;
   check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
   measure_file(file, options.mesh_path, session);
-  warn_of_place(mesh, spheres, session.report);
+  const bool is_elsewhere = warn_of_place(mesh, spheres, session.report);
   if (excluded) {
     measure_excluded(structure.molecule, input.probe, options.exact, Switch::off, session);
     compare_with_excluded(mesh, spheres, options.distances, session);
   } else {
     measure_exactly(spheres, options.exact, session);
+    if (!is_elsewhere) warn_of_surface(session.report);
     compare_with_exact(mesh, spheres, options.distances, session);
   }
   if (!options.picture.path.empty()) draw_distances(mesh, spheres, options.picture, session);

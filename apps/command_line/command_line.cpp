@@ -176,8 +176,10 @@ class Reading {
     for (const OptionGroup& group : groups_) {
       for (const Option& option : group.options) known.push_back(option.long_name());
     }
+    const bool is_mesh = name == "-o" || name == "--output";
     refuse("{}: not an option of {} {}{}{}", name, program_.name, verb_.name,
-           suggestion(name, known), see_help());
+           is_mesh ? "; it writes no mesh, vdwmesh mesh does" : suggestion(name, known),
+           see_help());
   }
 
   // What the name of a file that nobody asked for was most likely meant for.

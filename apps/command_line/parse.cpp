@@ -43,6 +43,17 @@ std::string_view without_byte_letters(std::string_view text) {
   return text;
 }
 
+// What the field, or another program, calls something that has another name here.
+struct Synonym {
+  std::string_view given, here, besides;
+};
+constexpr Synonym kSynonyms[] = {
+    {"ses", "excluded", ""},
+    {"connolly", "excluded", ""},
+    {"sas", "vdw", ", which is the accessible surface with --probe 1.4"},
+    {"gpu", "cuda", ""},
+    {"mc", "marching-cubes", ""}};
+
 using Distances = std::vector<std::size_t>;
 
 // Three rows of the usual table are enough: a swap looks two rows back.
@@ -112,6 +123,10 @@ std::string list_names(std::span<const std::string_view> names) {
 }
 
 std::string suggestion(std::string_view given, std::span<const std::string_view> known) {
+  for (const Synonym& s : kSynonyms) {
+    const bool is_meant = s.given == given && std::ranges::find(known, s.here) != known.end();
+    if (is_meant) return fmt::format("; did you mean {}{}?", s.here, s.besides);
+  }
   std::string_view closest;
   std::size_t least = letters(given) > 5 ? 3 : letters(given) > 1 ? 2 : 0;
   for (const std::string_view name : known) {

@@ -25,6 +25,7 @@ std::uint64_t parse_bytes(std::string_view option, std::string_view text);
 std::string list_names(std::span<const std::string_view> names);
 
 // "; did you mean NAME?" with the known name that is closest to `given`; empty where none is close.
+// A name of the field for a known one is taken first ("ses" for "excluded").
 // Close is one slip of the fingers, two in names of more than five letters: a letter that is wrong,
 // missing, too many, or swapped with its neighbour.
 std::string suggestion(std::string_view given, std::span<const std::string_view> known);

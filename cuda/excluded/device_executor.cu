@@ -18,10 +18,10 @@ using measure::BatchCellsView;
 // With `other`, writes the lists instead of counting.
 __global__ void list_overlaps(BatchCellsView list, const SphereMeasures* measures, bool by_id,
                               std::uint64_t* first, std::uint32_t* other, std::uint32_t* owner) {
-  const std::uint64_t i = thread_index() / 32;
+  const std::uint64_t i = thread_index() / kWarp;
   if (i >= list.size) return;
   const auto place = static_cast<ListPlace>(i);
-  const unsigned lane = threadIdx.x % 32;
+  const unsigned lane = threadIdx.x % kWarp;
   const auto name_of = [&](ListPlace at) { return by_id ? list.id[at] : to_index(at); };
   const std::uint32_t self = name_of(place);
   if (measures != nullptr && measures[i].area == 0) {
@@ -41,8 +41,7 @@ __global__ void list_overlaps(BatchCellsView list, const SphereMeasures* measure
     }
     const unsigned hits = __ballot_sync(kAllLanes, near);
     if (near && other != nullptr) {
-      const std::uint64_t at =
-          begin + found + static_cast<std::uint64_t>(__popc(hits & ((1u << lane) - 1)));
+      const std::uint64_t at = begin + found + bits_below(hits, lane);
       other[at] = name_of(k);
       owner[at] = self;
     }
@@ -57,7 +56,7 @@ OverlapLists<DeviceExecutor> overlaps_of(const DeviceExecutor& x, const BatchCel
                                          const Stream& stream) {
   OverlapLists<DeviceExecutor> out;
   out.first = x.zeros<std::uint64_t>(list.size + std::size_t{1});
-  const LaunchShape shape = over(32 * std::uint64_t{list.size}, 128);
+  const LaunchShape shape = over(kWarp * std::uint64_t{list.size}, 128);
   launch("list_overlaps", list_overlaps, shape, stream, list, measures, by_id, out.first.data(),
          nullptr, nullptr);
   out.entries = x.scan(out.first);

@@ -126,7 +126,7 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
       const bool kept = valid && may_reach(box, f.rough.spheres[place]);
       const unsigned votes = __ballot_sync(kAllLanes, kept);
       // Compaction: each kept place goes behind those of the lower lanes.
-      if (kept) waiting[count + __popc(votes & ((1u << lane) - 1))] = place;
+      if (kept) waiting[count + bits_below(votes, lane)] = place;
       count += static_cast<std::uint32_t>(__popc(votes));
       while (count >= size && !done) hand_over(size);
       return done;  // true ends the visit and, above, the loop

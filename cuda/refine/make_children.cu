@@ -56,8 +56,7 @@ __device__ void note(BlockList& list, std::uint64_t t, bool asks) {
   if (lane == 0 && votes != 0) first = atomicAdd(&list.count, static_cast<unsigned>(__popc(votes)));
   first = __shfl_sync(kAllLanes, first, 0);
   if (!asks) return;
-  list.patch[first + static_cast<unsigned>(__popc(votes & ((1u << lane) - 1)))] =
-      static_cast<std::uint32_t>(t);
+  list.patch[first + bits_below(votes, lane)] = static_cast<std::uint32_t>(t);
 }
 
 // Appends the block's list to the list of the level. All threads of the block must call it. One of

@@ -34,7 +34,7 @@ __device__ unsigned list_first_half_edges(const EdgeNumbersView& edges, std::uin
   for (std::uint64_t word = first_word; word < end_word; ++word) {
     const std::uint32_t bits = edges.words[word].first;
     if (bits >> lane & 1) {
-      list[count + static_cast<unsigned>(__popc(bits & ((1u << lane) - 1)))] =
+      list[count + bits_below(bits, lane)] =
           static_cast<std::uint16_t>((word - first_word) * kHalfEdgesPerWord + lane);
     }
     count += static_cast<unsigned>(__popc(bits));
@@ -226,7 +226,7 @@ __global__ void __launch_bounds__(kThreads, 6)
       // Compaction: the lanes with deferred midpoints take consecutive entries of the list.
       const unsigned votes = __ballot_sync(kAllLanes, !settled);
       if (!settled) {
-        const auto slot = deferred + static_cast<unsigned>(__popc(votes & ((1u << lane) - 1)));
+        const auto slot = deferred + bits_below(votes, lane);
         outputs.deferred[first_edge + slot] = list[group + i];
       }
       deferred += static_cast<unsigned>(__popc(votes));

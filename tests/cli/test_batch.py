@@ -222,7 +222,7 @@ class Refusals(BatchTest):
         (self.inputs / "README").write_text("no structure")
         result = run("batch", self.inputs)
         self.assertEqual(result.returncode, DONE)
-        self.assertIn("1 files have no extension of a structure", result.stderr)
+        self.assertIn("1 of the files had no extension of a structure and was left out", result.stderr)
         nothing = self.folder / "nothing"
         nothing.mkdir()
         self.assertIn(f"vdwmesh: {nothing}: holds no structures", run("batch", nothing).stderr)

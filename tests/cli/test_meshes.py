@@ -108,12 +108,21 @@ class Octahedron(ProgramTest):
             (1, 4, "moved"),
             (1, 0.5, None),
             (1.3, 0, None),
+            (1.5, 0, None),
+            (1.6, 0, "1.3 times the exact volume"),
         ):
             vertices = [(scale * x + shift, scale * y, scale * z) for x, y, z in VERTICES]
             warnings = self.compare_with_vertices(vertices, FACES)["warnings"]
             self.assertEqual(len(warnings), 0 if hint is None else 1, (scale, shift, warnings))
             if hint is not None:
                 self.assertIn(hint, warnings[0])
+
+    def test_a_mesh_of_another_surface_is_hinted_at(self):
+        mesh = self.folder / "excluded.ply"
+        self.run_ok("mesh", UBIQUITIN, "--surface", "excluded", "-o", mesh, "--quiet")
+        (warning,) = self.report("compare", mesh, UBIQUITIN)["warnings"]
+        self.assertIn("--surface excluded", warning)
+        self.assertEqual(self.report("compare", mesh, UBIQUITIN, "--surface", "excluded")["warnings"], [])
 
     def test_concave_polygons_are_not_fanned(self):
         # A prism over the arrow (0 0, 4 0, 4 4, 3 1), of area 4 and outline 8 + 2 √10, 2 high.

@@ -378,6 +378,7 @@ class FirstMistakes(ProgramTest):
         self.says("mesh", UBIQUITIN, next_step="name the mesh file to write")
         self.says("mesh", UBIQUITIN, "a.stl", next_step="; an output is named by -o FILE")
         self.says("exact", UBIQUITIN, "a.stl", next_step="; vdwmesh exact --help")
+        self.says("report", UBIQUITIN, "-o", "a.stl", next_step="; it writes no mesh, vdwmesh mesh does;")
         self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl or .glb")
         self.says("mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply", next_step="make it first")
         self.says("render", UBIQUITIN, "-o", "a.jpg", next_step="name a .png file")
@@ -444,7 +445,10 @@ class DidYouMean(ProgramTest):
     def test_values(self):
         for option, typed, meant in (("--field", "vwd", "vdw"), ("--field", "inverse-square", "inverse-squared"),
                                      ("--mesher", "exakt", "exact"), ("--topology", "of", None),
-                                     ("--field", "nonsense", None), ("--backend", "gpu", None)):  # fmt: skip
+                                     ("--field", "nonsense", None), ("--backend", "gpu", "cuda"),
+                                     ("--surface", "ses", "excluded"), ("--backend", "npu", None),
+                                     ("--surface", "sas", "vdw, which is the accessible surface with --probe 1.4"),
+                                     ("--mesher", "ses", None)):  # fmt: skip
             with self.subTest(option=option, typed=typed):
                 arguments = ("report", UBIQUITIN, option, typed)
                 if meant:
