@@ -174,14 +174,18 @@ class Part {
   std::uint64_t first_, size_;
 };
 
-// The box that the reaches of the spheres of a part take.
+// The box that the reaches of the spheres of a part take. Precondition: it has some.
 Box box_of_reaches(const SphereSet& spheres, const FieldModel& model, const Part& part) {
-  Box box = empty_box();
-  for (std::uint64_t i = part.first(); i < part.first() + part.size(); ++i) {
-    const Sphere& s = spheres[static_cast<SphereId>(i)];
-    include(box, box_of({s.center, field_reach(model, s.radius)}));
-  }
-  return box;
+  return join_blocks(
+      part.size(),
+      [&](std::size_t begin, std::size_t end) {
+        Box box = empty_box();
+        for (const Sphere& s : spheres.spheres().subspan(part.first() + begin, end - begin)) {
+          include(box, box_of({s.center, field_reach(model, s.radius)}));
+        }
+        return box;
+      },
+      [](Box& box, const Box& other) { include(box, other); });
 }
 
 // The samples of all parts that reach a box, and which spheres within it have an effect on their
