@@ -216,9 +216,14 @@ void describe_input(Molecule& molecule, const InputOptions& options, Session& se
   report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
 }
 
-Molecule load_molecule(const InputOptions& options, Session& session) {
+ReadOptions read_options(const InputOptions& options, const Session& session) {
   ReadOptions read = options.read;
   read.memory_limit = session.machine.memory_limit;
+  return read;
+}
+
+Molecule load_molecule(const InputOptions& options, Session& session) {
+  const ReadOptions read = read_options(options, session);
   Molecule molecule = options.sample.empty() ? read_structure(options.path, read)
                                              : read_sample(options.sample, read);
   describe_input(molecule, options, session);

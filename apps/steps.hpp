@@ -28,6 +28,9 @@ struct Structure {
   SphereSet spheres;
 };
 
+// How the input is read in this session: with its limit of memory.
+ReadOptions read_options(const InputOptions& options, const Session& session);
+
 // Writes into the session's report what is known of a molecule that was read.
 void describe_input(Molecule& molecule, const InputOptions& options, Session& session);
 
