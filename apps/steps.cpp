@@ -216,9 +216,14 @@ void describe_input(Molecule& molecule, const InputOptions& options, Session& se
   report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
 }
 
-Molecule load_molecule(const InputOptions& options, Session& session) {
+ReadOptions read_options(const InputOptions& options, const Session& session) {
   ReadOptions read = options.read;
   read.memory_limit = session.machine.memory_limit;
+  return read;
+}
+
+Molecule load_molecule(const InputOptions& options, Session& session) {
+  const ReadOptions read = read_options(options, session);
   Molecule molecule = options.sample.empty() ? read_structure(options.path, read)
                                              : read_sample(options.sample, read);
   describe_input(molecule, options, session);
@@ -259,6 +264,8 @@ IndexedMesh make_mesh_untimed(const SphereSet& spheres, const SurfaceOptions& su
   report.backend->devices = devices_for(surface, session);
   RefineOptions refine = refine_options(surface, session);
   refine.on_level = request.on_level;
+  refine.normals = request.normals;
+  refine.half_edges_up_to = request.half_edges_up_to;
   return surface.mesher == Mesher::exact ? mesh_crease_exact(spheres, surface, refine, report)
                                          : mesh_field(spheres, surface, request, refine, report);
 }
@@ -299,9 +306,20 @@ void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mes
   mesh.levels.push_back({examined, last, mesh.self_intersections});
 }
 
+std::uint64_t most_checked_with_cgal(CgalCheck wanted) {
+  switch (wanted) {
+    case CgalCheck::run:
+      return std::numeric_limits<std::uint64_t>::max();
+    case CgalCheck::small_meshes:
+      return kCgalMeasuresLimit;
+    case CgalCheck::skip:
+      break;
+  }
+  return 0;
+}
+
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles) {
-  return wanted == CgalCheck::run ||
-         (wanted == CgalCheck::small_meshes && triangles <= kCgalMeasuresLimit);
+  return wanted != CgalCheck::skip && triangles <= most_checked_with_cgal(wanted);
 }
 
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session) {

@@ -309,6 +309,8 @@ class Bench {
   }
 
   void time_stages() {
+    IndexedMesh made;
+    if (piece_) made = std::move(piece_->mesh);
     piece_.reset();
     const bool is_alone = ranks_.count() == 1;
     const auto stage = [&](const char* name, const std::function<void()>& work) {
@@ -316,18 +318,14 @@ class Bench {
     };
     ExtractOptions wanted = options();
     FieldModel model;
-    CellListFrame frame;
     std::vector<std::uint64_t> begins;
     ChosenSpheres near;
     std::unique_ptr<SurfacePart> part;
-    IndexedMesh made;
     stage("grid", [&] {
       model = make_field_model(wanted.field, grid_together(ranks_, spheres_, wanted.grid));
     });
-    stage("frame", [&] { frame = frame_together(ranks_, spheres_, model); });
     stage("shares", [&] { begins = share_bricks(ranks_, spheres_, model); });
     wanted.grid.given = model.grid;
-    if (!is_alone) wanted.frame = &frame;
     const HaloCounts halo = halo_counts(ranks_, arguments_.backend);
     stage("near", [&] {
       if (!is_alone) near = spheres_near(ranks_, spheres_, model, begins, halo);

@@ -79,16 +79,10 @@ class Loader {
   }
 
  private:
-  ReadOptions read_options() const {
-    ReadOptions read = options_.read;
-    read.memory_limit = session_.machine.memory_limit;
-    return read;
-  }
-
   // On the first rank.
   void read(AtomRecords records) {
     if (records == AtomRecords::needless && options_.sample.empty()) {
-      text_ = read_sphere_text(options_.path, read_options());
+      text_ = read_sphere_text(options_.path, read_options(options_, session_));
       if (text_) {
         shared_.origin = SphereOrigin::lines;
         shared_.molecule = std::move(text_->molecule);
@@ -96,10 +90,10 @@ class Loader {
       }
     }
     if (!options_.sample.empty()) {
-      take(read_sample(options_.sample, read_options()));
+      take(read_sample(options_.sample, read_options(options_, session_)));
       return;
     }
-    unexpanded_ = read_unexpanded(options_.path, read_options());
+    unexpanded_ = read_unexpanded(options_.path, read_options(options_, session_));
     // The area by polarity is of single atoms.
     const bool is_assembly = records == AtomRecords::needless && !unexpanded_.copies.empty() &&
                              !unexpanded_.molecule.has_polarity;
@@ -152,7 +146,8 @@ class Loader {
       });
     }
     if (!is_sound) {
-      begin_again([&] { return read_structure(options_.path, whole, read_options()); });
+      begin_again(
+          [&] { return read_structure(options_.path, whole, read_options(options_, session_)); });
     }
   }
 

@@ -33,6 +33,7 @@
 #include "core/errors.hpp"
 #include "spheres/kept_cell_lists.hpp"
 #include "surface/box.hpp"
+#include "surface/meeting_boxes.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -132,14 +133,6 @@ void replace_by_reference(const SphereSet& spheres, Workspace& workspace, ArcMea
   if (arcs.suspect.empty()) return;
   const CellListView& list = ball_list(spheres, workspace);
   set_reference_measures(arcs.suspect, balls_near(list, spheres, arcs.suspect), arcs.per_sphere);
-}
-
-bool meet(const Box& a, const Box& b) {
-  bool does = true;
-  for (int axis = 0; axis < 3; ++axis) {
-    does = does && a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
-  }
-  return does;
 }
 
 // The box of the measured balls, wider by far more than the rounding of coordinates.

@@ -9,7 +9,6 @@
 
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
-#include "core/joined_arrays.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/part_without_halo.hpp"
 
@@ -44,7 +43,7 @@ void share_halos(const Ranks& ranks, std::span<const std::uint64_t> begins, Part
     }
   });
   const std::vector<std::vector<ActiveBrick>> from_each = ranks.exchange(for_each);
-  ranks.together([&] { part.set_halo(joined(from_each)); });
+  ranks.together([&] { part.set_halo(from_each); });
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
 // mesh_together(): all ranks estimate where the surface is, and the first one cuts it into shares.
-// Each rank then counts its share with the spheres near it, in the grid and the frame of the whole
-// set. A prefix sum over the counts gives every rank its place in the mesh, where it emits its
-// part.
+// Each rank then counts its share with the spheres near it, in the grid of the whole set, and of a
+// blended field in its frame, too, because the field is a sum of floats. Of a union no bit depends
+// on the order in which the balls are visited (union_exit()), so there a rank's cell list has a
+// frame of its own: that of the set has cells for all spheres, which every rank would fill. A
+// prefix sum over the counts gives every rank its place in the mesh, where it emits its part.
 #include "distributed/surface_piece.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <span>
 #include <utility>
@@ -15,7 +18,6 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "distributed/part_together.hpp"
-#include "distributed/sorted_numbers.hpp"
 #include "distributed/surface_shares.hpp"
 
 namespace vdwmesh {
@@ -33,11 +35,11 @@ void check_names(const SurfacePart& part) {
 }
 
 // Gives the corners of triangles the local numbers of a SurfacePiece. They come counted from the
-// first own vertex: own ones have their local numbers already. The others are behind them, and only
-// the last triangles have some.
+// first own vertex: own ones have their local numbers already. The others are vertices of the halo,
+// which stand behind them, and only the last triangles have some. The halo's vertices that have a
+// name are marked and numbered in their order, which takes no sorting and no search.
 void name_locally(const HaloVertices& halo, SurfacePiece& piece) {
   const auto [first, begin, own] = piece.numbers.runs().front();
-  const auto number_of = [first = first](std::uint32_t corner) { return first + corner; };
   const auto is_own = [own = own](std::uint32_t corner) { return corner < own; };
   const std::span<Triangle> triangles = std::span(piece.mesh.triangles).last(halo.naming_triangles);
   const std::vector<std::size_t> at_border =
@@ -45,18 +47,27 @@ void name_locally(const HaloVertices& halo, SurfacePiece& piece) {
         const auto& [a, b, c] = triangles[t];
         if (!(is_own(a) && is_own(b) && is_own(c))) found.push_back(t);
       });
-  piece.elsewhere =
-      collect<std::uint64_t>(at_border.size(), [&](std::size_t i, std::vector<std::uint64_t>& all) {
-        for (const std::uint32_t corner : triangles[at_border[i]]) {
-          if (!is_own(corner)) all.push_back(number_of(corner));
-        }
-      });
-  sort_without_repeats(piece.elsewhere);
-  for_each_index(at_border.size(), [&](std::size_t i) {
-    for (std::uint32_t& corner : triangles[at_border[i]]) {
-      if (is_own(corner)) continue;
-      corner = static_cast<std::uint32_t>(own + place_in(piece.elsewhere, number_of(corner)));
-    }
+  // By vertex of the halo: at first whether a triangle has it, then its place in `elsewhere`.
+  std::vector<std::uint32_t> place(halo.behind);
+  const auto for_each_other = [&, own = own](const auto& use) {
+    for_each_index(at_border.size(), [&](std::size_t i) {
+      for (std::uint32_t& corner : triangles[at_border[i]]) {
+        if (!is_own(corner)) use(corner, place[corner - own]);
+      }
+    });
+  };
+  for_each_other([](std::uint32_t, std::uint32_t& mark) {
+    std::atomic_ref(mark).store(1, std::memory_order_relaxed);
+  });
+  piece.elsewhere.resize(place.size());
+  const auto is_named = [&](std::size_t v) { return place[v] != 0; };
+  piece.elsewhere.resize(number_all(
+      place.size(), is_named, [&, first = first, own = own](std::size_t v, std::uint32_t number) {
+        place[v] = number;
+        piece.elsewhere[number] = first + own + v;
+      }));
+  for_each_other([own = own](std::uint32_t& corner, std::uint32_t number) {
+    corner = static_cast<std::uint32_t>(own + number);
   });
 }
 
@@ -104,8 +115,10 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   ChosenSpheres near;
   const HaloCounts halo = halo_counts(ranks, backend);
   if (!is_alone) {
-    frame = frame_together(ranks, spheres, model);
-    options.frame = &frame;
+    if (model.kind != FieldKind::vdw) {
+      frame = frame_together(ranks, spheres, model);
+      options.frame = &frame;
+    }
     begins = share_bricks(ranks, spheres, model);
     near = spheres_near(ranks, spheres, model, begins, halo);
   }

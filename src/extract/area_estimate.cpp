@@ -29,6 +29,7 @@
 #include "spheres/cell_list.hpp"
 #include "spheres/even_directions.hpp"
 #include "surface/box.hpp"
+#include "surface/meeting_boxes.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -173,18 +174,37 @@ class Part {
   std::uint64_t first_, size_;
 };
 
-// The samples of all parts, and which spheres have an effect on their surface. The points at which
-// the field is evaluated for a sphere of a sample are at most a step of a ray beyond its reach.
+// The box that the reaches of the spheres of a part take. Precondition: it has some.
+Box box_of_reaches(const SphereSet& spheres, const FieldModel& model, const Part& part) {
+  return join_blocks(
+      part.size(),
+      [&](std::size_t begin, std::size_t end) {
+        Box box = empty_box();
+        for (const Sphere& s : spheres.spheres().subspan(part.first() + begin, end - begin)) {
+          include(box, box_of({s.center, field_reach(model, s.radius)}));
+        }
+        return box;
+      },
+      [](Box& box, const Box& other) { include(box, other); });
+}
+
+// The samples of all parts that reach a box, and which spheres within it have an effect on their
+// surface. The points at which the field is evaluated for a sphere of a sample are at most a step
+// of a ray beyond its reach. Numbers of a structure mostly follow each other in space, so the box
+// of a block leaves out most samples.
 class Samples {
  public:
-  Samples(const SphereSet& spheres, const FieldModel& model, std::size_t parts)
+  Samples(const SphereSet& spheres, const FieldModel& model, std::size_t parts, const Box& box)
       : ends_in_box_(model.kind != FieldKind::vdw && model.truncation == Truncation::subgrid) {
     std::vector<Sphere> all;
     for (std::size_t part = 0; part < parts; ++part) {
       for (const SphereId id : Part(spheres.size(), part, parts).sample()) {
-        all.push_back(spheres[id]);
+        const Sphere& s = spheres[id];
+        const double reach = field_reach(model, s.radius) + kRayStep * s.radius;
+        if (!meet(box, box_of({s.center, reach}))) continue;
+        all.push_back(s);
         part_.push_back(part);
-        reach_.push_back(field_reach(model, spheres[id].radius) + kRayStep * spheres[id].radius);
+        reach_.push_back(reach);
       }
     }
     list_ = CellList(SphereSet(std::move(all)), reach_);
@@ -238,7 +258,7 @@ std::vector<std::vector<SphereId>> spheres_near_samples(const SphereSet& spheres
   using Near = std::vector<std::vector<SphereId>>;  // by part
   const Part own(spheres.size(), block, parts);
   if (own.size() == 0) return Near(parts);
-  const Samples samples(spheres, model, parts);
+  const Samples samples(spheres, model, parts, box_of_reaches(spheres, model, own));
   return join_blocks(
       own.size(),
       [&](std::size_t begin, std::size_t end) {

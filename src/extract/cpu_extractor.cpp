@@ -78,6 +78,15 @@ struct Scene {
   CellListView list;
 };
 
+// The most bricks that there are between the ends of a range and of its halo, which are a layer, a
+// row and a brick apart. So many bricks are never counted, but room for them is not touched.
+std::uint64_t most_behind(const GridSpec& grid) {
+  const auto along = [](std::int64_t cells) {
+    return static_cast<std::uint64_t>(brick_count(cells));
+  };
+  return along(grid.cells.x) * (along(grid.cells.y) + 1) + 1;
+}
+
 // Only the bricks of the range are emitted.
 class CpuSurfacePart final : public PartWithoutHalo {
  public:
@@ -87,7 +96,8 @@ class CpuSurfacePart final : public PartWithoutHalo {
       : workspace_(options.workspace),
         scene_(spheres, options, workspace_),
         mesher_(scene_.model.grid, loops_of(scene_.job()), LabelWidth::one, options, workspace_) {
-    mesher_.count(scene_.candidates(searched, options), range);
+    mesher_.count(scene_.candidates(searched, options), range,
+                  searched.end == range.end ? most_behind(scene_.model.grid) : 0);
   }
 
   MeshSize size() const override { return mesher_.size(); }
@@ -96,7 +106,9 @@ class CpuSurfacePart final : public PartWithoutHalo {
   std::span<const ActiveBrick> counted(const KeyRange& wanted) const override {
     return mesher_.counted(wanted);
   }
-  void set_halo(std::span<const ActiveBrick> bricks) override { mesher_.set_halo(bricks); }
+  void set_halo(std::span<const std::vector<ActiveBrick>> parts) override {
+    mesher_.set_halo(parts);
+  }
 
   ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) override {
     mesher_.emit(first, mesh);

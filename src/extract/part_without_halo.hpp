@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "extract/bricks/brick_numbering.hpp"
 #include "extract/extractor.hpp"
@@ -16,9 +17,9 @@ class PartWithoutHalo : public SurfacePart {
   // They are valid until set_halo() is called.
   virtual std::span<const ActiveBrick> counted(const KeyRange& wanted) const = 0;
 
-  // Takes the bricks behind the range that are in its halo (with_halo()), by rising key. Must be
-  // called before halo() and emit().
-  virtual void set_halo(std::span<const ActiveBrick> bricks) = 0;
+  // Takes the bricks behind the range that are in its halo (with_halo()), by rising key, in parts
+  // that stand one behind the other. Must be called before halo() and emit().
+  virtual void set_halo(std::span<const std::vector<ActiveBrick>> parts) = 0;
 };
 
 // Extractor::count() on the CPU without the halo: `spheres` may lack those that are near the halo

@@ -15,11 +15,14 @@
 namespace vdwmesh::testing {
 namespace {
 
+enum class FrameOfPart { of_all, own };
+
 class ExtractorParts : public ExtractorFieldContract {
  protected:
   std::unique_ptr<Extractor> extractor() const { return make_extractor(std::get<0>(GetParam())); }
 
-  void expect_parts_of_rod(int of_piece, double pitch, double spacing, Connectivity connectivity);
+  void expect_parts_of_rod(int of_piece, double pitch, double spacing, Connectivity connectivity,
+                           FrameOfPart frame_of_part = FrameOfPart::of_all);
   void expect_refusals_beyond_frame(int spheres);
 };
 
@@ -244,10 +247,11 @@ TEST_P(ExtractorParts, AGridWithoutSenseIsRefused) {
 }
 
 // A process that has only the spheres near its range, with the grid and the frame of all, makes the
-// same part: the sums of a blended field run in the same order there.
+// same part: the sums of a blended field run in the same order there. A union of balls is no sum:
+// its parts may have frames of their own.
 // Without half-edges the bricks before the range are not needed, nor the spheres near them.
 void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spacing,
-                                         Connectivity connectivity) {
+                                         Connectivity connectivity, FrameOfPart frame_of_part) {
   std::vector<Sphere> rod;
   for (unsigned k = 0; k < 12; ++k) {
     const SphereSet piece = translated(cluster(of_piece, 18 + k), {0.3 * k, -0.2 * k, pitch * k});
@@ -260,7 +264,7 @@ void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spac
   options.grid.given = whole.grid;
   const FieldModel model = make_field_model(options.field, whole.grid);
   const CellListFrame frame = make_field_frame(spheres, model);
-  options.frame = &frame;
+  if (frame_of_part == FrameOfPart::of_all) options.frame = &frame;
   const std::int32_t layers = static_cast<std::int32_t>(whole.grid.cells.z / kBrickSide) + 1;
   ASSERT_GE(layers, 10);
   std::size_t fewest = spheres.size();
@@ -298,6 +302,12 @@ void ExtractorParts::expect_parts_of_rod(int of_piece, double pitch, double spac
 TEST_P(ExtractorParts, SpheresFarFromARangeAreNotNeeded) {
   expect_parts_of_rod(60, 7.3, 0.6, Connectivity::triangles);
   expect_parts_of_rod(60, 7.3, 0.6, Connectivity::half_edges);
+}
+
+TEST_P(ExtractorParts, PartsOfAUnionNeedNoFrame) {
+  if (at_spacing(1).field.kind != FieldKind::vdw) return;
+  expect_parts_of_rod(60, 7.3, 0.6, Connectivity::triangles, FrameOfPart::own);
+  expect_parts_of_rod(5000, 28, 1.5, Connectivity::triangles, FrameOfPart::own);
 }
 
 // A device makes the cell list of so many spheres by itself, in the cells that it is given.

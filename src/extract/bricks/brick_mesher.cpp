@@ -62,11 +62,13 @@ ActiveBrick* close_up(ActiveBrick* end, ActiveBrick* first, std::span<const std:
 }
 
 // Fills `all` with the candidates that hold surface. `all` is first resized to the number of
-// candidates; its elements are not initialised, and untouched pages of it take no memory. Each wave
-// writes to the elements of its candidates, and the bricks that it keeps are then moved to the end
-// of the bricks kept so far. So there is no second array.
-void count_all(std::span<const std::uint64_t> candidates, const BrickLoops& loops, Monitor* monitor,
-               Buffer<ActiveBrick>& all) {
+// candidates, with `room` for more bricks behind them; its elements are not initialised, and
+// untouched pages of it take no memory. Each wave writes to the elements of its candidates, and the
+// bricks that it keeps are then moved to the end of the bricks kept so far. So there is no second
+// array.
+void count_all(std::span<const std::uint64_t> candidates, std::uint64_t room,
+               const BrickLoops& loops, Monitor* monitor, Buffer<ActiveBrick>& all) {
+  all.reserve(candidates.size() + room);
   resize_untouched(all, candidates.size());
   ActiveBrick* end = all.data();
   std::vector<std::size_t> sizes;
@@ -129,9 +131,10 @@ BrickMesher::BrickMesher(const GridSpec& grid, BrickLoops loops, LabelWidth widt
       options_(options),
       counted_(workspace.get<CountedBricks>()) {}
 
-void BrickMesher::count(const CandidateSearch& candidates, const KeyRange& own) {
+void BrickMesher::count(const CandidateSearch& candidates, const KeyRange& own,
+                        std::uint64_t halo_room) {
   const Clock::time_point start = Clock::now();
-  count_all(candidates(), loops_, options_.monitor, counted_.bricks);
+  count_all(candidates(), halo_room, loops_, options_.monitor, counted_.bricks);
   sum_up(counted_);
   counted_.begin = first_at(counted_.bricks, own.begin);
   counted_.end = first_at(counted_.bricks, own.end);
@@ -151,9 +154,11 @@ std::span<const ActiveBrick> BrickMesher::counted(const KeyRange& range) const {
   return std::span(counted_.bricks).subspan(begin, end - begin);
 }
 
-void BrickMesher::set_halo(std::span<const ActiveBrick> bricks) {
+void BrickMesher::set_halo(std::span<const std::vector<ActiveBrick>> parts) {
   counted_.bricks.resize(counted_.end);
-  counted_.bricks.insert(counted_.bricks.end(), bricks.begin(), bricks.end());
+  for (const std::vector<ActiveBrick>& part : parts) {
+    counted_.bricks.insert(counted_.bricks.end(), part.begin(), part.end());
+  }
   sum_up(counted_);
 }
 

@@ -35,13 +35,16 @@ class BrickMesher {
               const ExtractOptions& options, Workspace& workspace);
 
   // Counts and numbers the candidates: the bricks of `own` and of its halo (brick_search.hpp) that
-  // may hold surface. Only the bricks of `own` will be emitted. The default is all bricks.
-  void count(const CandidateSearch& candidates, const KeyRange& own = {});
+  // may hold surface. Only the bricks of `own` will be emitted. The default is all bricks. Makes
+  // room for so many bricks of a halo that set_halo() will add.
+  void count(const CandidateSearch& candidates, const KeyRange& own = {},
+             std::uint64_t halo_room = 0);
 
   // What was counted in the bricks of a range.
   std::span<const ActiveBrick> counted(const KeyRange& range) const;
-  // Adds a halo behind the range that count() was given and has counted alone.
-  void set_halo(std::span<const ActiveBrick> bricks);
+  // Adds a halo behind the range that count() was given and has counted alone. It comes in parts,
+  // one behind the other.
+  void set_halo(std::span<const std::vector<ActiveBrick>> parts);
 
   // The vertices and triangles of the bricks in the range that count() was given.
   MeshSize size() const;

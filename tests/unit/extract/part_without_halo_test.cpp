@@ -35,15 +35,21 @@ std::vector<std::unique_ptr<PartWithoutHalo>> parts_with_given_halos(
     const SphereSet& spheres, const ExtractOptions& options, const std::vector<KeyRange>& ranges) {
   std::vector<std::unique_ptr<PartWithoutHalo>> parts;
   for (const KeyRange& range : ranges) parts.push_back(count_without_halo(spheres, range, options));
-  std::vector<std::vector<ActiveBrick>> halos;
+  std::vector<std::vector<std::vector<ActiveBrick>>> halos;
   for (const KeyRange& range : ranges) {
-    std::vector<ActiveBrick>& halo = halos.emplace_back();
+    std::vector<std::vector<ActiveBrick>>& halo = halos.emplace_back();
     for (const auto& part : parts) {
       const auto found = part->counted({range.end, with_halo(range, Connectivity::triangles).end});
-      halo.insert(halo.end(), found.begin(), found.end());
+      halo.emplace_back(found.begin(), found.end());
     }
   }
-  for (std::size_t i = 0; i < parts.size(); ++i) parts[i]->set_halo(halos[i]);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto before = parts[i]->counted(ranges[i]);
+    parts[i]->set_halo(halos[i]);
+    const auto after = parts[i]->counted(ranges[i]);
+    EXPECT_EQ(after.data(), before.data()) << "the bricks were moved to make room";
+    EXPECT_EQ(after.size(), before.size());
+  }
   return parts;
 }
 
