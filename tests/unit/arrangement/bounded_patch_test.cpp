@@ -247,7 +247,7 @@ ExactMeshStats expect_same_mesh(const SphereSet& spheres, double edge_length, Ho
 
 class BoundedPatches : public ::testing::TestWithParam<const char*> {};
 
-// With the room that a device gives, one patch in a thousand may fail, and one in 500 may have an
+// With the room that a device gives, one patch in a thousand may fail, and one in 200 may have an
 // angle that only the host enlarges.
 TEST_P(BoundedPatches, SameBitsAndFewFailures) {
   const std::string file = "reference/" + std::string(GetParam()) + ".xyzr";
@@ -274,7 +274,7 @@ TEST_P(BoundedPatches, SameBitsAndFewFailures) {
   // Some patches were sent while the rounds went on, withdrawn and sent anew.
   EXPECT_GT(sent_again, 0u);
   EXPECT_LE(1000 * failed, patches);
-  EXPECT_LE(500 * small_angle, patches);
+  EXPECT_LE(200 * small_angle, patches);
 }
 INSTANTIATE_TEST_SUITE_P(Molecules, BoundedPatches,
                          ::testing::Values("4PTI", "1EJG", "133D", "1HH0"),
