@@ -35,4 +35,17 @@ inline SphereSet strip(double degrees, double h, double k) {
   return SphereSet({{{0, 0, 0}, 1}, {2 * h * n, 1}, {2 * k * m, 1}, {{0.1, 0.35, -1.15}, 0.8}});
 }
 
+// Balls whose spheres all but share a circle, and one that cuts them there: splits for the floors
+// would not come to an end, so the mesher gives them up.
+inline SphereSet near_pencil() {
+  std::vector<Sphere> balls{
+      {{1.712963801033452, -0.0001075490012266559, 3.9792331649028919e-05}, 1.2332815593305173},
+      {{1.4586702314585918, -0.00013637510369390242, 2.0929798046333744e-05}, 1.0754531742001814},
+      {{-1.5064185260992617, 1.8210918241811882e-05, -0.00020408943538244287}, 1.1038249653889807},
+      {{0.64532273866465806, -8.291980603418556e-05, -5.6685318412767985e-05}, 0.70154866015749695},
+      {{-0.094010268838367939, 2.3694579400701921, 0.3}, 0.6}};
+  for (Sphere& ball : balls) ball.radius += 1.4;
+  return SphereSet(std::move(balls));
+}
+
 }  // namespace vdwmesh::testing

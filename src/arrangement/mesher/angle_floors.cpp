@@ -15,16 +15,27 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kFloor = kFloorOfAngles * std::numbers::pi / 180;
-// Floors are kept by this fraction more, since the mesh has other coordinates, with other rounding.
-constexpr double kMargin = 1e-7;
+constexpr double kEnough = 1 + kFloorMargin;  // as a multiple of a floor
 // Pieces up to this fraction of the edge length are not split for floors.
 constexpr double kShortestForFloors = 1e-6;
-// Nor are pieces whose parts would be nearly as straight as the mesher gives up at: the sagitta of
-// a half is a quarter.
-constexpr double kStraightForFloors = 64;
+// Nor are pieces whose parts would be nearly as straight as the mesher gives up at: their sagittas
+// must be so many times as large.
+constexpr double kStraightForFloors = 16;
 
 double angle_between(const Vec3d& a, const Vec3d& b) {
-  return std::atan2(norm(cross(a, b)), dot(a, b));
+  return argument(dot(a, b), norm(cross(a, b)));
+}
+
+// The arcsine, by Newton's method, with the same bits on every version of the C library. For
+// sines up to 0.4 the first guess errs by 0.012 at most, and an error e becomes less than e² / 4:
+// 4e-5, 4e-10, 4e-20.
+double arcsine(double sine) {
+  double angle = sine;
+  for (int step = 0; step < 3; ++step) {
+    const SineCosine at = sine_cosine(angle);
+    angle -= (at.sine - sine) / at.cosine;
+  }
+  return angle;
 }
 
 double angle_at(const PatchTriangles& patch, const LinkedTriangle& t, std::uint32_t k) {
@@ -50,8 +61,7 @@ bool AngleFloors::visit_below(const PatchTriangles& patch, const Visit& visit) c
     const LinkedTriangle& w = patch.triangles[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
       const double angle = angle_at(patch, w, k);
-      if (angle >= kFloor * (1 + kMargin) || angle >= floor_at(patch, t, k) * (1 + kMargin))
-        continue;
+      if (angle >= kFloor * kEnough || angle >= floor_at(patch, t, k) * kEnough) continue;
       if (visit(w, k)) return true;
     }
   }
@@ -179,27 +189,31 @@ void AngleFloors::ask_at_corner(const LinkedTriangle& t, std::uint32_t k, std::u
 }
 
 void AngleFloors::halve(std::uint32_t piece, PatchVector<PieceSplit>& found) const {
-  if (may_split(piece)) found.push_back({boundary_.pieces[piece].source, 1});
+  if (may_split(piece, 0.5)) found.push_back({boundary_.pieces[piece].source, 1});
 }
 
 // Cuts a piece so that its part at `point` has a chord of this length on the unit sphere. A chord
-// of a circle of radius c over the angle x is 2 c sin(x / 2) long.
+// of a circle of radius c over the angle x is 2 c sin(x / 2) long. The piece's own chord is longer,
+// and x at most an eighth of a turn (kLeastPiecesOfCircle), so the sine is at most 0.383.
 void AngleFloors::cut(std::uint32_t piece, std::uint32_t point, double length,
                       PatchVector<PieceSplit>& found) const {
-  if (!may_split(piece)) return;
   const BoundaryPiece& p = boundary_.pieces[piece];
   const BoundaryArc& arc = arcs_.boundary.arcs[p.source.arc];
-  const double angle = 2 * std::asin(std::min(1.0, length * arcs_.radius / (2 * arc.radius)));
-  const double share = angle / arcs_.sampling.piece_angle(p.source);
+  const double angle = 2 * arcsine(length * arcs_.radius / (2 * arc.radius));
+  const double fraction = angle / arcs_.sampling.piece_angle(p.source);
+  if (!may_split(piece, std::min(fraction, 1 - fraction))) return;
   const bool backwards = arc.balls[0] == arcs_.ball, from_first = backwards == (point == p.to);
-  const double first = 0x1p32 * (from_first ? share : 1 - share);
-  if (!(first >= 1 && first < 0x1p32 - 1)) return;
+  const double first = 0x1p32 * (from_first ? fraction : 1 - fraction);
   found.push_back({p.source, 1, static_cast<std::uint32_t>(first)});
 }
 
-bool AngleFloors::may_split(std::uint32_t piece) const {
+// The shorter part is as long as this fraction of the piece, or nearly, and its sagitta is the
+// square of it. No part is shorter than a half of the shortest piece that is halved; so a fraction
+// is above 2e-7, far more than the 2^-32 that PieceSplit counts in.
+bool AngleFloors::may_split(std::uint32_t piece, double fraction) const {
   const ArcPiece source = boundary_.pieces[piece].source;
-  return chord(piece) > shortest_ && !arcs_.limits.is_straight(source, kStraightForFloors) &&
+  return 2 * fraction * chord(piece) > shortest_ &&
+         !arcs_.limits.is_straight(source, kStraightForFloors / (fraction * fraction)) &&
          arcs_.limits.has_room_for_angles(source.arc);
 }
 

@@ -8,13 +8,13 @@
 //
 // - triangles over an arc of less than 1e-3 of the edge length, beside which pieces are not split
 //   for quality. The piece at the end of the arc is halved until it is short enough.
-// - the triangle in a sharp corner, if its two pieces are not of one length. With an angle α
-// between
-//   pieces of the lengths 1 and r > 1, the angle opposite to the shorter one is
-//   arctan(sin α / (r - cos α)): at least 5° if r <= cos α + 11.4 sin α, which is 1.24 for α = 1.2°
-//   and nearly 1 for still smaller α. Halving does not lead there. So the longer piece is cut where
-//   the other one ends. What is left of it is longer than 11.4 times the distance of the two ends,
-//   so that it does not make a new short piece in a wide place.
+// - the triangle in a sharp corner, if its two pieces are not of one length. If pieces of the
+//   lengths 1 and r > 1 enclose the angle α, the one opposite to the shorter piece is
+//   arctan(sin α / (r - cos α)): at least 5° if r <= cos α + 11.43 sin α, which is 1.24 for
+//   α = 1.2° and nearly 1 for still smaller α. Halving does not lead there. So the longer piece is
+//   cut where the other one ends. It is if r is at most 2 or hardly more, so that α is less than
+//   5.1°, and for such small α what is left of the longer piece is some 11.4 times as long as the
+//   distance of the two ends: it is not a new short piece in a wide place.
 // - triangles across narrow places. A piece beside them is halved.
 #pragma once
 
@@ -64,7 +64,8 @@ class AngleFloors {
   void halve(std::uint32_t piece, PatchVector<PieceSplit>& found) const;
   void cut(std::uint32_t piece, std::uint32_t point, double length,
            PatchVector<PieceSplit>& found) const;
-  bool may_split(std::uint32_t piece) const;
+  // Whether it may be split into two parts, the shorter one this fraction of it.
+  bool may_split(std::uint32_t piece, double fraction) const;
 
   PatchBoundaryView boundary_;
   ArcsOfPatch arcs_;

@@ -123,7 +123,7 @@ void ArcSampling::split_arc(std::span<const PieceSplit> splits) {
     if (next == splits.end() || next->piece != ArcPiece{arc, k}) continue;
     const PieceSplit& split = *next++;
     for (std::uint32_t i = 1; i < split.parts(); ++i) {
-      parts.push_back(low + (high - low) * split.share_of_first(i));
+      parts.push_back(low + (high - low) * split.fraction_of_first(i));
     }
   }
   unequal_[arc] = std::move(parts);

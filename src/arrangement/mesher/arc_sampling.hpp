@@ -26,14 +26,14 @@ struct ArcPiece {
 };
 
 // A request to split a piece into 2^halvings parts of equal angle; or, if `cut` is not 0, into two
-// parts (halvings is 1), of which the first one along the arc has the share cut / 2^32.
+// parts (halvings is 1), of which the first one along the arc has the fraction cut / 2^32.
 struct PieceSplit {
   ArcPiece piece;
   std::uint32_t halvings, cut = 0;
 
   std::uint32_t parts() const { return 1u << halvings; }
-  // The share of the angle that the first `count` parts along the arc have together.
-  double share_of_first(std::uint32_t count) const {
+  // The fraction of the angle that the first `count` parts along the arc have together.
+  double fraction_of_first(std::uint32_t count) const {
     if (cut != 0 && count == 1) return cut * 0x1p-32;
     return static_cast<double>(count) / parts();
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "arrangement/arcs/arguments.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 
 namespace vdwmesh {
@@ -26,9 +27,10 @@ double least_squared_sine(const std::array<Vec3d, 3>& p) {
 
 }  // namespace
 
+double argument(double re, double im) { return arcs::arguments(all_lanes(re), all_lanes(im))[0]; }
+
 double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
-  const double angle = std::atan2(dot(apex, cross(a, b)), dot(a, b) - dot(apex, a) * dot(apex, b));
-  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+  return argument(dot(a, b) - dot(apex, a) * dot(apex, b), dot(apex, cross(a, b)));
 }
 
 AngleBound::AngleBound(const PatchBoundaryView& boundary, double angle, double edge_length)

@@ -44,6 +44,9 @@ struct SmallAngles {
   std::uint64_t at_corners = 0, elsewhere = 0;
 };
 
+// The argument of a complex number, in [0, 2 pi), with the same bits on every version of the C
+// library; NaN for 0.
+double argument(double re, double im);
 // The angle by which direction a must be turned counter-clockwise to come to b, as seen from
 // outside at the point `apex` of the unit sphere; from 0 to a whole turn.
 double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b);

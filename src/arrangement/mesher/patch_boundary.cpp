@@ -243,7 +243,7 @@ SplitChain split_piece(const Sphere& s, const ArcSampling& sampling, bool backwa
         j + 1 == parts ? whole.to : chain.first_point + j,
         whole.neighbor,
         {arc, first + along},
-        whole.bulge * (split.share_of_first(along + 1) - split.share_of_first(along))};
+        whole.bulge * (split.fraction_of_first(along + 1) - split.fraction_of_first(along))};
     if (j == 0) {
       out.pieces[p] = part;
     } else {

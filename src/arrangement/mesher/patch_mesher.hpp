@@ -111,7 +111,7 @@ PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options, Patch
 // Makes room for the triangulation of so many points of a boundary, and for later splits.
 void make_room_for_splits(std::size_t points, PlaneTriangulation::State& plane);
 // Sorts requests by descending piece, as PatchMesh has them, and keeps one for each piece: that
-// with the most halvings.
+// with the most halvings, of these that with the largest `cut`.
 void sort_requests(PatchVector<PieceSplit>& splits);
 
 // Meshes a whole sphere: a subdivided icosahedron. All points are interior points. The edge length

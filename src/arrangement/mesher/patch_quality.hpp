@@ -26,8 +26,13 @@ inline constexpr double kLargeCircle = 0.75;
 
 // No angle of a triangle shall be smaller, but at corners of the patch that are less than twice as
 // wide (angle_floors.hpp).
-inline constexpr double kFloorOfAngles = 5;              // degrees
-inline constexpr double kFloorSine = 0.087155742747658;  // its sine
+inline constexpr double kFloorOfAngles = 5;  // degrees
+// The mesher enlarges angles up to this fraction more than their floor, since the mesh has other
+// coordinates, with other rounding. Rounding by e turns an edge of length l by e / l, so this is
+// enough for edges of more than some 1e8 times the rounding, 1e-6 Å at 100 Å from the origin. The
+// sine is that of the floor with the fraction.
+inline constexpr double kFloorMargin = 1e-7;
+inline constexpr double kFloorSine = 0.0871557514410969;
 
 // The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
 // sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°

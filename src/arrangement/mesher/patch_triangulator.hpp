@@ -143,11 +143,11 @@ class PatchTriangulator {
       plane_.leave_small_angle();
     } else {
       if (!floors_) return false;
-      for (int pass = 0; floors_->has_angle_below(patch_); ++pass) {
-        if (pass == kMoreSmoothingPasses) return floors_->find(patch_, splits_), false;
+      for (int pass = 0; pass < kMoreSmoothingPasses && floors_->has_angle_below(patch_); ++pass) {
         smooth<Memory>(boundary_, circles_, 1, work_.smoothing, patch_);
         if (!ask_for_valid_triangles()) return true;
       }
+      floors_->find(patch_, splits_);  // none, if no angle is below any more
     }
     return false;
   }

@@ -86,6 +86,14 @@ bool SplitLimits::leave_room(std::span<const PieceSplit> splits) const {
                        [&](std::size_t i) { return !has_room_for_angles(splits[i].piece.arc); });
 }
 
+void SplitLimits::check_fit(const Growth& growth) const {
+  if (growth.fits) return;
+  throw LimitExceeded(fmt::format(
+      "a mesh with {} points on its creases, enough for the floors of its angles, needs more than "
+      "{} bytes of memory: allow more, or use a larger edge length",
+      growth.pieces, growth.memory_limit));
+}
+
 // Curves that nearly coincide ask for shorter and shorter pieces. If the arcs have too many
 // together, the message names the two spheres of that arc, among those just split, which has most.
 void SplitLimits::check_growth(std::span<const PieceSplit> splits, const Growth& growth) const {

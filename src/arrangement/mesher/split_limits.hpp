@@ -37,6 +37,9 @@ class SplitLimits {
     std::uint64_t memory_limit;
   };
   void check_growth(std::span<const PieceSplit> splits, const Growth& growth) const;
+  // Throws LimitExceeded if they do not fit. While angles are raised above their floors this comes
+  // first: CurvesTooClose would lead to a mesh without floors, and the mesh to depend on memory.
+  void check_fit(const Growth& growth) const;
   // Whether the arc has not so many pieces that splits for the angles of triangles must end, long
   // before check_growth() gives up; and whether this holds for all arcs of the pieces just split.
   bool has_room_for_angles(std::uint32_t arc) const;

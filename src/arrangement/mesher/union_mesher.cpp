@@ -141,8 +141,7 @@ class UnionMesher {
     return index_.arcs(ball).empty() && areas_[ball] > 2 * std::numbers::pi * r * r;
   }
 
-  // The series of rounds: first the boundaries of all patches that have one, then all patches, then
-  // those that have an angle below its floor.
+  // The three series of rounds (mesh_rounds.hpp).
   void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
     for (std::uint32_t b = share_.balls.first; b < share_.balls.second; ++b) {
@@ -202,6 +201,7 @@ class UnionMesher {
       });
       const SplitLimits::Growth growth{pieces_at_first_, all_pieces(), team_.least(fits) != 0,
                                        options_.memory_limit};
+      if (series == RoundSeries::floors) limits_.check_fit(growth);
       agree([&] { limits_.check_growth(last_splits_, growth); });
       if (options_.min_angle > 0) leaves_room_ = leaves_room_ && limits_.leave_room(last_splits_);
     }

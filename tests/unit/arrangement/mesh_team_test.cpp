@@ -159,9 +159,9 @@ void expect_mesh(const Meeting& meeting, const IndexedMesh& whole) {
 }
 
 // Returns whether the set was meshed in parts.
-bool expect_same_by(std::size_t members, const SphereSet& spheres) {
+bool expect_same_by(std::size_t members, const SphereSet& spheres, double edge_length = 0.6) {
   ExactMeshOptions options;
-  options.edge_length = 0.6;
+  options.edge_length = edge_length;
   ExactMesh one;
   try {
     one = mesh_union(spheres, options);
@@ -201,6 +201,34 @@ TEST(MeshTeam, FloorsOfAngles) {
   for (const SphereSet& spheres : sets) {
     for (const std::size_t members : {2u, 3u, 4u}) EXPECT_TRUE(expect_same_by(members, spheres));
   }
+}
+
+// Splits for the floors are given up, in all members alike, and the mesh is made without them.
+TEST(MeshTeam, FloorsThatAreGivenUp) {
+  const SphereSet spheres = near_pencil();
+  for (const std::size_t members : {2u, 3u, 4u}) expect_same_by(members, spheres, 0.5);
+}
+
+// While angles are enlarged, a lack of memory is an error, as elsewhere. It must not lead to a mesh
+// without floors, which members with more memory together would not make.
+TEST(MeshTeam, FloorsDoNotDependOnMemory) {
+  std::size_t refused = 0, made = 0;
+  for (const SphereSet& spheres : {short_arc(1e-5), strip(0.01, 0.2, 0.45)}) {
+    ExactMeshOptions options;
+    options.edge_length = 2;
+    const std::uint64_t all = hash(mesh_union(spheres, options).mesh).positions;
+    for (double limit = 1e6; limit > 1e3; limit /= 1.01) {
+      options.memory_limit = static_cast<std::uint64_t>(limit);
+      try {
+        EXPECT_EQ(hash(mesh_union(spheres, options).mesh).positions, all) << options.memory_limit;
+        ++made;
+      } catch (const LimitExceeded&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 0u);
+  EXPECT_GT(made, 0u);
 }
 
 bool fits(const SphereSet& spheres, const ExactMeshOptions& options) {
