@@ -24,9 +24,9 @@ MemoryDemand memory_of_report(const Options& options) {
 
 namespace {
 
-// Frees what a refinement has made and neither measures nor comparison read: a quarter of a refined
-// mesh, whose memory the measures then take instead of new pages. The half-edges serve the
-// conversion to OpenMesh for CGAL, the normals a picture.
+// Frees what the mesher has made and neither measures nor comparison read, so that the measures
+// take this memory instead of new pages. The half-edges serve the conversion to OpenMesh for CGAL,
+// the normals a picture. A refinement does not even make them (MeshRequest).
 void free_unread(IndexedMesh& mesh, const Options& options) {
   if (!checks_with_cgal(options.cgal_check, mesh.triangle_count())) {
     mesh.opposite = Buffer<std::uint32_t>();
@@ -70,6 +70,7 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
   std::vector<LevelReport> levels;
   const MeshRequest request{
       .normals = demand.normals,
+      .half_edges_up_to = most_checked_with_cgal(options.cgal_check),
       .on_level =
           record_levels(options.self_intersections, options.surface.subdivisions, levels, session)};
   const bool beside = demand.beside == Switch::on;

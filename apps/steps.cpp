@@ -264,6 +264,8 @@ IndexedMesh make_mesh_untimed(const SphereSet& spheres, const SurfaceOptions& su
   report.backend->devices = devices_for(surface, session);
   RefineOptions refine = refine_options(surface, session);
   refine.on_level = request.on_level;
+  refine.normals = request.normals;
+  refine.half_edges_up_to = request.half_edges_up_to;
   return surface.mesher == Mesher::exact ? mesh_crease_exact(spheres, surface, refine, report)
                                          : mesh_field(spheres, surface, request, refine, report);
 }
@@ -304,9 +306,20 @@ void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mes
   mesh.levels.push_back({examined, last, mesh.self_intersections});
 }
 
+std::uint64_t most_checked_with_cgal(CgalCheck wanted) {
+  switch (wanted) {
+    case CgalCheck::run:
+      return std::numeric_limits<std::uint64_t>::max();
+    case CgalCheck::small_meshes:
+      return kCgalMeasuresLimit;
+    case CgalCheck::skip:
+      break;
+  }
+  return 0;
+}
+
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles) {
-  return wanted == CgalCheck::run ||
-         (wanted == CgalCheck::small_meshes && triangles <= kCgalMeasuresLimit);
+  return wanted != CgalCheck::skip && triangles <= most_checked_with_cgal(wanted);
 }
 
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session) {

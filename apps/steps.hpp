@@ -1,7 +1,9 @@
 // The steps that verbs are made of. Each fills its part of the report.
 #pragma once
 
+#include <cstdint>
 #include <future>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -43,6 +45,7 @@ Molecule load_molecule(const InputOptions& options, Session& session);
 struct MeshRequest {
   Connectivity connectivity = Connectivity::triangles;
   Normals normals = Normals::gradients;
+  std::uint64_t half_edges_up_to = std::numeric_limits<std::uint64_t>::max();  // if it is refined
   LevelObserver on_level = {};
   MeshSizeObserver on_size = {};  // of marching cubes
 };
@@ -101,6 +104,8 @@ void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mes
 // CGAL's measures of the OpenMesh mesh. Where the mesh is too large for the choice, or has no
 // half-edge structure, the report says so and they stay empty.
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles);
+// The most triangles with which it is.
+std::uint64_t most_checked_with_cgal(CgalCheck wanted);
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session);
 
 // The CPK colour of each atom.

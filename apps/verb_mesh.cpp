@@ -7,6 +7,7 @@
 // for them meanwhile.
 #include <algorithm>
 #include <future>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -95,7 +96,9 @@ void make(const Structure& structure, const Options& options, Made& made, Sessio
     }
   };
   made.mesh = make_mesh(structure.spheres, options.surface, session,
-                        {.connectivity = demand.connectivity, .on_size = prepare});
+                        {.connectivity = demand.connectivity,
+                         .half_edges_up_to = builds ? std::numeric_limits<std::uint64_t>::max() : 0,
+                         .on_size = prepare});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, made.mesh, limit);
   // What measuring would refuse is refused before the file is written.

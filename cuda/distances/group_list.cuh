@@ -94,19 +94,23 @@ class GroupList {
 
 // Calls search(lanes), a bit for each, for ranges of lanes that together are all `open` ones; the
 // mask has the open ones of the range. search returns false if they have too many near nodes; then
-// it is called for the halves, and ranges of one lane are given up. All lanes call it together.
+// it is called for the halves, and ranges of one lane are given up. Returns the lanes given up. All
+// lanes call it together.
 template <class Search>
-__device__ void for_each_range(unsigned open, const Search& search) {
+__device__ unsigned for_each_range(unsigned open, const Search& search) {
+  unsigned given_up = 0;
   for (unsigned first = 0, size = kWarp; first < kWarp;) {
-    const unsigned lanes = (size == kWarp ? kAllLanes : (1u << size) - 1) << first;
-    const bool done = (open & lanes) == 0 || search(open & lanes);
+    const unsigned lanes = open & (size == kWarp ? kAllLanes : (1u << size) - 1) << first;
+    const bool done = lanes == 0 || search(lanes);
     if (!done && size > 1) {
       size /= 2;
       continue;
     }
+    if (!done) given_up |= lanes;
     first += size;
     size = first & (0 - first);  // the largest range that may begin here
   }
+  return given_up;
 }
 
 }  // namespace vdwmesh::distance

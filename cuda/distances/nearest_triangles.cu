@@ -6,7 +6,9 @@
 //  - A triangle found within the reach is the nearest one, because every triangle so near to a
 //    point is in a listed node, and its box is near the point.
 //  - Points for which none was found are searched for with a longer reach, and in the end without
-//    one. So are those with too many nodes within the reach, even for one point alone.
+//    one.
+//  - A point that alone has too many nodes within the reach is searched for without one at once:
+//    a longer reach has at least these nodes.
 // Whatever the reach, the result is thus the least of all triangles' distances, to the last bit.
 //
 // Few triangles of a node are near the same point. If each lane measured those of its own point,
@@ -75,12 +77,13 @@ class WarpPoints {
   }
 
   // Searches for the points of the lanes that are `open`, a bit for each, and returns those for
-  // which no triangle is nearer than the reach (Å). For the others squared() is the result.
-  __device__ unsigned search_within(double reach, unsigned open) {
+  // which no triangle is nearer than the reach (Å). Lanes with too many nodes within the reach are
+  // not returned, but added to `crowded`. For all others squared() is the result.
+  __device__ unsigned search_within(double reach, unsigned open, unsigned& crowded) {
     const double limit = reach * reach;
     if (open >> lane_ & 1) set_squared(limit);
     const float bound = searched_.tree.bound_of(limit);
-    for_each_range(open, [&](unsigned lanes) {
+    const unsigned given_up = for_each_range(open, [&](unsigned lanes) {
       const bool taken = lanes >> lane_ & 1;
       const unsigned leaves = list_.fill(searched_.tree, query_, taken, bound, 1);
       if (leaves == GroupList::kTooMany) return false;
@@ -88,6 +91,8 @@ class WarpPoints {
       return true;
     });
     __syncwarp();
+    crowded |= given_up;
+    open &= ~given_up;
     return __ballot_sync(kAllLanes, (open >> lane_ & 1) && !(squared() < limit));
   }
 
@@ -164,10 +169,10 @@ __global__ void __launch_bounds__(kThreads)
   const bool is_there = k < count;
   const std::uint32_t i = order[is_there ? k : count - 1];
   WarpPoints own(searched, points[i], memories[threadIdx.x / kWarp]);
-  unsigned open = __ballot_sync(kAllLanes, is_there);
+  unsigned open = __ballot_sync(kAllLanes, is_there), crowded = 0;
   for (int round = 0; round < kRounds && open != 0; ++round, reach *= kLonger)
-    open = own.search_within(reach, open);
-  if (open != 0) own.search(open);
+    open = own.search_within(reach, open, crowded);
+  if ((open | crowded) != 0) own.search(open | crowded);
   if (is_there) found[i] = sqrt(own.squared());
 }
 

@@ -26,19 +26,28 @@ constexpr std::size_t kBatch = 8192, kHostThreads = 3;
 constexpr unsigned kPerWarp = 2;
 
 // Looks at one boundary per thread, on the first kPerWarp lanes of each warp, for the reason that
-// patches_per_warp() gives; 2 warps per thread block, no shared memory.
+// patches_per_warp() gives; 2 warps per thread block. The threads write their requests one after
+// another into one list, in no particular order; first_split of an outcome says where.
 __global__ void __launch_bounds__(kThreads)
-    look(const BoundedLook* looks, std::uint32_t count, LookMemory memory, PatchOutcome* outcomes) {
+    look(const BoundedLook* looks, std::uint32_t count, LookMemory memory, PatchOutcome* outcomes,
+         PieceSplit* requests, std::uint32_t* request_count) {
   const unsigned lane = threadIdx.x % 32;
   if (lane >= kPerWarp) return;
   const std::uint64_t i = thread_index() / 32 * kPerWarp + lane;
-  if (i < count) outcomes[i] = look_at_boundary(looks[i], memory);
+  if (i >= count) return;
+  PatchOutcome outcome = look_at_boundary(looks[i], memory);
+  if (outcome.failure == PatchFailure::none && outcome.splits > 0) {
+    PieceSplit* const to = requests + atomicAdd(request_count, outcome.splits);
+    for (std::uint32_t k = 0; k < outcome.splits; ++k) to[k] = outcome.first_split[k];
+    outcome.first_split = to;
+  }
+  outcomes[i] = outcome;
 }
 
 struct LookRoom {
   KeptRoom<std::byte> input, states;
   KeptRoom<PatchOutcome> outcomes;
-  KeptRoom<PieceSplit> splits;
+  KeptRoom<PieceSplit> requests;
 };
 
 // Looks at the boundaries `first` to `end` of the order.
@@ -56,32 +65,30 @@ void look_at_batch(const LookOrder& order, std::size_t first, std::size_t end,
       device_states(batch.state_bytes(), stream), work(batch.work_bytes(), stream);
   const DeviceArray<BoundedLook> looks(count, stream);
   const DeviceArray<PatchOutcome> device_outcomes(count, stream);
+  const DeviceArray<PieceSplit> device_requests(batch.most_requests(), stream);
+  const DeviceArray<std::uint32_t> request_count(1, stream);
+  clear(request_count, stream);
   upload_parts({{device_input.data(), input, device_input.bytes()},
                 {looks.data(), batch.looks().data(), looks.bytes()}},
                stream);
   launch("look_at_boundaries", look,
          over(32 * std::uint64_t{blocks_for(count, kPerWarp)}, kThreads), stream, looks.data(),
          count, LookMemory{device_input.data(), device_states.data(), work.data()},
-         device_outcomes.data());
-  // Before the transfer, not within it, as in mesh_batch().
-  stream.wait();
+         device_outcomes.data(), device_requests.data(), request_count.data());
+  // Waits before the transfer, not within it, as in mesh_batch().
+  const std::uint32_t found = fetch(request_count.data(), stream);
   PatchOutcome* const outcomes = room.outcomes.take(count);
   std::byte* const states = room.states.take(batch.state_bytes());
+  PieceSplit* const requests = room.requests.take(found);
   download_parts({{outcomes, device_outcomes.data(), device_outcomes.bytes()},
-                  {states, device_states.data(), device_states.bytes()}},
+                  {states, device_states.data(), device_states.bytes()},
+                  {requests, device_requests.data(), found * sizeof(PieceSplit)}},
                  stream);
-  const std::vector<GatherPlace> places = places_of(outcomes, count);
-  const DeviceArray<GatherPlace> device_places(places.size(), stream);
-  upload_parts({{device_places.data(), places.data(), device_places.bytes()}}, stream);
-  const DeviceArray<PieceSplit> device_splits(places.back().split, stream);
-  gather_patches(device_outcomes.data(), device_places.data(), count,
-                 {nullptr, nullptr, device_splits.data()}, stream);
-  PieceSplit* const splits = room.splits.take(device_splits.size());
-  download_parts({{splits, device_splits.data(), device_splits.bytes()}}, stream);
   tbb::parallel_for(std::size_t{0}, std::size_t{count}, [&](std::size_t i) {
-    if (outcomes[i].failure != PatchFailure::none) return;
-    order.end(first + batch.job(i),
-              batch.finish(i, states, {splits + places[i].split, splits + places[i + 1].split}));
+    const PatchOutcome& o = outcomes[i];
+    if (o.failure != PatchFailure::none) return;
+    const auto place = o.splits > 0 ? o.first_split - device_requests.data() : 0;
+    order.end(first + batch.job(i), batch.finish(i, states, {requests + place, o.splits}));
   });
 }
 

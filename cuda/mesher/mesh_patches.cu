@@ -1,6 +1,8 @@
 // Meshes each patch with one thread, which runs the same steps as the host, in memory of its own in
 // global memory. So the bits are the host's. What is parallel is the patches: a molecule has one
 // for nearly every atom.
+#include <new>
+
 #include "arrangement/mesher/bounded_patch.hpp"
 #include "cuda/memory/launch.cuh"
 #include "cuda/mesher/mesh_patches.cuh"
@@ -8,17 +10,25 @@
 namespace vdwmesh::mesher {
 namespace {
 
-constexpr unsigned kThreads = 64;
+// Threads of a block, and blocks of a multiprocessor (docs/exact_mesh.md): with more of these,
+// threads have too few registers.
+constexpr unsigned kThreads = 64, kBlocks = 12;
+static_assert(kThreads * sizeof(PatchDesk) <= 48 * 1024, "what a block may have without asking");
 
 // Meshes one patch per thread, on the first `per_warp` lanes of each warp; 2 warps per thread
-// block, no shared memory. patches_per_warp() says why not all lanes have a patch.
-__global__ void __launch_bounds__(kThreads)
+// block, with a desk for each patch in shared memory. In a thread's own memory the words of 32
+// lanes lie side by side, so the desk of one lane would take as much of the cache as 32.
+// patches_per_warp() says why not all lanes have a patch.
+__global__ void __launch_bounds__(kThreads, kBlocks)
     mesh(const BoundedPatch* patches, std::uint32_t count, PatchMemory memory,
          PatchOutcome* outcomes, unsigned per_warp) {
+  extern __shared__ __align__(16) unsigned char desks[];
   const unsigned lane = threadIdx.x % 32;
   if (lane >= per_warp) return;
   const std::uint64_t i = thread_index() / 32 * per_warp + lane;
-  if (i < count) outcomes[i] = mesh_bounded_patch(patches[i], memory);
+  if (i >= count) return;
+  void* const place = desks + (threadIdx.x / 32 * per_warp + lane) * sizeof(PatchDesk);
+  outcomes[i] = mesh_bounded_patch(patches[i], memory, *new (place) PatchDesk);
 }
 
 template <class T>
@@ -71,8 +81,9 @@ __global__ void place(const PlacedPatch* patches, std::uint32_t count,
 void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,
                   PatchOutcome* outcomes, unsigned per_warp, const Stream& stream) {
   const std::uint64_t warps = blocks_for(count, per_warp);
-  launch("mesh_patches", mesh, over(32 * warps, kThreads), stream, patches, count, memory, outcomes,
-         per_warp);
+  LaunchShape shape = over(32 * warps, kThreads);
+  shape.shared = kThreads / 32 * per_warp * sizeof(PatchDesk);
+  launch("mesh_patches", mesh, shape, stream, patches, count, memory, outcomes, per_warp);
 }
 
 void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,

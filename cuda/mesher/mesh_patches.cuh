@@ -17,8 +17,8 @@ namespace vdwmesh::mesher {
 // turn to while others wait for memory. Measured on an H200 (patches_bench):
 //
 //   patches   best for a warp   with the best   otherwise
-//     4,556                 1           23 ms   46 ms with 8
-//    65,536           8 to 16          156 ms   302 ms with 1
+//     1,905                 1            7 ms   20 ms with 8
+//    60,362                 8           75 ms   166 ms with 1, 99 ms with 16
 constexpr unsigned patches_per_warp(std::uint32_t patches) {
   return patches < 8192 ? 1 : (patches < 16384 ? 2 : (patches < 32768 ? 4 : 8));
 }

@@ -146,7 +146,8 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   const DeviceEdgeNumbers edges(parent.opposite, 3 * parent.triangles, stream);
   DeviceMesh children;
   children.corners = DeviceArray<std::uint32_t>(3 * size.triangles, stream.get());
-  if (has_half_edges(size.triangles)) {
+  const bool is_last = level_number == options.subdivisions;
+  if (has_half_edges(size.triangles) && (!is_last || size.triangles <= options.half_edges_up_to)) {
     children.opposite = DeviceArray<std::uint32_t>(3 * size.triangles, stream.get());
   }
   const bool constrained = parent.triangle_spheres != nullptr;
@@ -159,8 +160,7 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   const bool marked_safe = growing.safe.size() > 0;
   const DeviceArray<std::uint8_t> regular(marked_safe ? midpoints : 0, stream.get());
   // The last level keeps no marks of its children: no level follows that would read them.
-  DeviceArray<std::uint8_t> safe(
-      marked_safe && level_number < options.subdivisions ? parent.triangles : 0, stream.get());
+  DeviceArray<std::uint8_t> safe(marked_safe && !is_last ? parent.triangles : 0, stream.get());
   const DeviceArray<std::uint32_t> patches(marked_safe ? parent.triangles : 0, stream.get());
   const auto listed = zeros<unsigned long long>(1, stream);
   // Below, `mesh` shares the vertex arrays of `parent`; only the triangles are other arrays.
@@ -206,7 +206,13 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
 }
 
 // Computes the normals after the last level, if the levels have not made them: see with_room().
-void finish_normals(const SurfaceView& surface, DeviceMesh& mesh, const Stream& stream) {
+// Frees them if none are wanted.
+void finish_normals(const SurfaceView& surface, Normals wanted, DeviceMesh& mesh,
+                    const Stream& stream) {
+  if (wanted == Normals::none) {
+    mesh.normals = DeviceArray<Vec3f>();
+    return;
+  }
   if (surface.projection == Projection::none) return;
   if (surface.projection == Projection::vdw && mesh.triangle_labels() == TriangleLabels::none) {
     return;
@@ -287,7 +293,7 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
     clock.restart();
     advance(options.monitor, 1);
   }
-  finish_normals(surface, growing.mesh, stream);
+  finish_normals(surface, options.normals, growing.mesh, stream);
   result.level_milliseconds.push_back(clock.lap());
   result.mesh = std::move(growing.mesh);
   return result;

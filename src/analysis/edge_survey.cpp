@@ -14,9 +14,12 @@
 // half-edge 3t + k begins.
 #include "analysis/edge_survey.hpp"
 
+#include <vector>
+
 #include "analysis/vertex_survey.hpp"
 #include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
 #include "mesh/edge_buckets.hpp"
 
@@ -37,23 +40,33 @@ constexpr std::uint32_t kNoShell = 0xffffffffu;
 // Step 2. The shells of a closed manifold, whose connected vertices are `connected`. DisjointSets
 // keeps the smallest element of a set as its representative, so shell_of[t] first becomes the
 // smallest vertex of the shell. It is then replaced by a number, in the order of the shells' first
-// triangles; `last` skips the table for triangles of the same shell as the triangle before them.
+// triangles. These are among the triangles of another shell than the one before; all such triangles
+// are found block by block.
 void number_shells(const IndexedMesh& mesh, DisjointSets connected, EdgeSurvey& survey) {
-  resize_untouched(survey.shell_of, mesh.triangle_count());
-  for_all(mesh.triangle_count(),
-          [&](std::size_t t) { survey.shell_of[t] = connected.find(mesh.triangles[t][0]); });
-  Buffer<std::uint32_t> number;
-  resize_untouched(number, mesh.vertex_count());
-  for_all(mesh.vertex_count(), [&](std::size_t v) { number[v] = kNoShell; });
-  survey.shells = 0;
-  std::uint32_t last = kNoShell;
-  for (const std::uint32_t vertex : survey.shell_of) {
-    if (vertex == last) continue;
-    last = vertex;
-    if (number[vertex] == kNoShell) number[vertex] = survey.shells++;
+  const std::size_t triangles = mesh.triangle_count();
+  std::vector<std::vector<std::uint32_t>> starts(block_count(triangles, kIndicesPerBlock));
+  resize_untouched(survey.shell_of, triangles);
+  for_each_block(triangles, kIndicesPerBlock,
+                 [&](std::size_t block, std::size_t first, std::size_t end) {
+                   std::uint32_t last = kNoShell;
+                   for (std::size_t t = first; t < end; ++t) {
+                     const std::uint32_t vertex = connected.find(mesh.triangles[t][0]);
+                     if (vertex != last) starts[block].push_back(vertex);
+                     survey.shell_of[t] = last = vertex;
+                   }
+                 });
+  // By vertex. Only the elements of vertices that stand for a shell are ever touched.
+  Buffer<std::uint32_t> number(mesh.vertex_count());
+  for (const auto& of_block : starts) {
+    for (const std::uint32_t vertex : of_block) number[vertex] = kNoShell;
   }
-  for_all(mesh.triangle_count(),
-          [&](std::size_t t) { survey.shell_of[t] = number[survey.shell_of[t]]; });
+  survey.shells = 0;
+  for (const auto& of_block : starts) {
+    for (const std::uint32_t vertex : of_block) {
+      if (number[vertex] == kNoShell) number[vertex] = survey.shells++;
+    }
+  }
+  for_all(triangles, [&](std::size_t t) { survey.shell_of[t] = number[survey.shell_of[t]]; });
 }
 
 // Step 3. Finds shells and the manifold property of any soup. Triangles are joined across all

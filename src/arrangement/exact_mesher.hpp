@@ -79,9 +79,9 @@ struct ExactMeshStats {
   // sets that are not worth it.
   std::uint64_t device_looks = 0, left_looks = 0;
   // Patches that a CUDA device meshed, and those that it left to the host because double precision
-  // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU. How
-  // many a device gets depends on the number of the host's cores (DeviceWork) and, as the batches
-  // below, on timing; the mesh does not.
+  // did not decide a test, a triangle has an angle below 5°, or the memory for one patch was too
+  // small. Both are 0 on the CPU. How many a device gets depends on the number of the host's cores
+  // (DeviceWork) and, as the batches below, on timing; the mesh does not.
   std::uint64_t device_patches = 0, left_patches = 0;
   // The batches in which a CUDA device meshed its patches, and how many of these patches it could
   // not keep until all vertices had their numbers, for want of memory: they came to the host at

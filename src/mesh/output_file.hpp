@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -79,12 +80,16 @@ class OutputFile : public ByteSink {
   void open_hidden();
   void link_unnamed();
   void take_permissions();
+  void begin_writing_back(std::size_t size);
   [[noreturn]] void fail(const char* what) const;
 
   std::filesystem::path path_, target_;  // the name as given; the file that is replaced
   std::filesystem::path hidden_;         // empty unless a file of this name has to be removed
   Kind kind_ = Kind::unnamed;
-  int descriptor_ = -1;  // negative if no file is open
+  int descriptor_ = -1;             // negative if no file is open
+  bool replaces_ = false;           // whether there was a file when this one was opened
+  std::uint64_t written_ = 0;       // bytes
+  std::uint64_t written_back_ = 0;  // bytes whose way to the disk was begun
   const Monitor* monitor_ = nullptr;
 };
 

@@ -38,6 +38,7 @@
 
 #include "refine/box_lanes.hpp"
 #include "refine/crossing_formulas.hpp"
+#include "refine/facing_lanes.hpp"
 #include "refine/patch_lanes.hpp"
 #include "refine/patch_outline.hpp"
 #include "refine/shared_stars.hpp"
@@ -48,6 +49,18 @@ namespace vdwmesh {
 namespace {
 
 bool is_just_undone(MoveState state) { return state == MoveState::just_undone; }
+
+// View::triangle() of all triangles of a patch.
+template <class View>
+constexpr auto kTrianglesOf = [] {
+  std::array<std::array<std::uint8_t, 3>, static_cast<std::size_t>(View::kTriangles)> all{};
+  for (int child = 0; child < View::kTriangles; ++child) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      all[static_cast<std::size_t>(child)][k] = static_cast<std::uint8_t>(View::triangle(child)[k]);
+    }
+  }
+  return all;
+}();
 
 }  // namespace
 
@@ -158,29 +171,52 @@ void BadMoves<Level>::mark_corners(const View& view, std::size_t patch, int tria
   }
 }
 
-// Looks in a patch for turned triangles (is_turned()) and marks their vertices. A triangle whose
-// corners have different atoms cannot be turned and is skipped. Where a triangle was before is
-// looked up only if it now faces against its atom's normal, as hardly any does.
+// Looks in a patch for turned triangles (is_turned()) and marks their vertices. If all its vertices
+// have one atom, four triangles at a time are found to face outward.
 template <class Level>
 void BadMoves<Level>::mark_turned(std::size_t patch) {
   const Vertices v = level_.vertices(patch);
-  const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
-  for (int child = 0; child < Level::kTriangles; ++child) {
-    const std::array<int, 3> corner = Level::triangle(child);
-    std::array<Vec3d, 3> now, before;
-    std::array<SphereId, 3> atom;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = v[static_cast<std::size_t>(corner[k])];
-      now[k] = level_.mesh.positions[vertex];
-      atom[k] = atoms[vertex];
+  if constexpr (Level::kTriangles % static_cast<int>(kLanes) == 0) {
+    const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
+    const SphereId atom = atoms[v[0]];
+    bool is_one = true;
+    for (const std::uint32_t i : v) is_one &= atoms[i] == atom;
+    if (is_one) {
+      if (atom == kNoSphere) return;
+      for (std::size_t first = 0; first < Level::kTriangles; first += kLanes) {
+        const std::uint32_t certain = outward_for_certain(
+            spheres_[atom].center, [&](std::size_t k, std::size_t lane) -> const Vec3d& {
+              return level_.mesh.positions[v[kTrianglesOf<Level>[first + lane][k]]];
+            });
+        for (std::uint32_t left = ~certain & 0xfu; left != 0; left &= left - 1) {
+          mark_if_turned(patch, v, static_cast<int>(first) + std::countr_zero(left));
+        }
+      }
+      return;
     }
-    if (atom[0] != atom[1] || atom[0] != atom[2]) continue;
-    if (facing(spheres_, now.data(), atom.data()) != Facing::against_one_atom) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      before[k] = level_.before(v, static_cast<std::size_t>(corner[k]));
-    }
-    if (is_turned(spheres_, before, now, atom)) mark_corners(level_, patch, child);
   }
+  for (int child = 0; child < Level::kTriangles; ++child) mark_if_turned(patch, v, child);
+}
+
+// Marks the vertices of a triangle of a patch if it is turned. A triangle whose corners have
+// different atoms cannot be turned. Where a triangle was before is looked up only if it now faces
+// against its atom's normal, as hardly any does.
+template <class Level>
+void BadMoves<Level>::mark_if_turned(std::size_t patch, const Vertices& v, int child) {
+  const std::array<int, 3> corner = Level::triangle(child);
+  std::array<Vec3d, 3> now, before;
+  std::array<SphereId, 3> atom;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = v[static_cast<std::size_t>(corner[k])];
+    now[k] = level_.mesh.positions[vertex];
+    atom[k] = level_.mesh.vertex_spheres.atoms[vertex];
+  }
+  if (atom[0] != atom[1] || atom[0] != atom[2]) return;
+  if (facing(spheres_, now.data(), atom.data()) != Facing::against_one_atom) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    before[k] = level_.before(v, static_cast<std::size_t>(corner[k]));
+  }
+  if (is_turned(spheres_, before, now, atom)) mark_corners(level_, patch, child);
 }
 
 // Fills `gathered` for part t of the level: its vertices, its triangles side by side for test 5,

@@ -75,6 +75,7 @@ class BadMoves {
   void mark_all_crossed();
   bool tests_all_pairs() const { return pass_ == 0 && tests_all_; }
   void mark_turned(std::size_t patch);
+  void mark_if_turned(std::size_t patch, const Vertices& v, int child);
   void mark_crossed(std::size_t cell);
   double take_boxes(std::size_t cell, CellPatches& here);
   const Part& parts() const { return level_; }

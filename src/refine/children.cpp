@@ -12,14 +12,14 @@ namespace {
 
 // Writes the corners, labels and opposite half-edges of all children. See the top of
 // subdivision_formulas.hpp for their order.
-void write_children(const Midpoints& level, IndexedMesh& mesh) {
+void write_children(const Midpoints& level, Connectivity connectivity, IndexedMesh& mesh) {
   const IndexedMesh& parent = level.parent;
   mesh.triangles.resize(4 * parent.triangle_count());
   mesh.triangle_spheres.resize(4 * parent.triangle_spheres.size());
   // Four children with three half-edges each. A level with more than kMaxHalfEdges has no
   // `opposite`. It can only be the last one: check_limits() in preparation.cpp refuses further
   // subdivisions of such a mesh.
-  if (12 * parent.triangle_count() <= kMaxHalfEdges) {
+  if (connectivity == Connectivity::half_edges && 12 * parent.triangle_count() <= kMaxHalfEdges) {
     mesh.opposite.resize(12 * parent.triangle_count());
   }
   for_all(parent.triangle_count(), [&](std::size_t t) {
@@ -51,7 +51,7 @@ void copy_front(const Buffer<T>& from, std::size_t size, Buffer<T>& to) {
 
 }  // namespace
 
-void make_children(const Midpoints& level, IndexedMesh& mesh) {
+void make_children(const Midpoints& level, Connectivity connectivity, IndexedMesh& mesh) {
   const IndexedMesh& parent = level.parent;
   // A closed mesh has one edge per two half-edges.
   const std::size_t vertices = parent.vertex_count() + parent.opposite.size() / 2;
@@ -59,7 +59,7 @@ void make_children(const Midpoints& level, IndexedMesh& mesh) {
   copy_front(parent.vertex_spheres.atoms, vertices, mesh.vertex_spheres.atoms);
   copy_front(parent.vertex_spheres.others, vertices, mesh.vertex_spheres.others);
   copy_front(parent.normals, vertices, mesh.normals);
-  write_children(level, mesh);
+  write_children(level, connectivity, mesh);
 }
 
 }  // namespace vdwmesh

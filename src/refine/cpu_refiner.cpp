@@ -29,6 +29,14 @@ void compute_normals(const SphereSet& spheres, const TargetSurface& surface, Ind
   });
 }
 
+// Of the mesh that subdivision `level` makes of `parent`. A further one needs half-edges.
+Connectivity connectivity_of(int level, const IndexedMesh& parent, const RefineOptions& options) {
+  const bool is_last = level == options.subdivisions;
+  return is_last && 4 * parent.triangle_count() > options.half_edges_up_to
+             ? Connectivity::triangles
+             : Connectivity::half_edges;
+}
+
 class CpuRefiner final : public Refiner {
  public:
   RefineResult refine(const SphereSet& spheres, IndexedMesh&& mesh,
@@ -52,13 +60,14 @@ class CpuRefiner final : public Refiner {
     advance(options.monitor, 1);
     for (int l = 1; l <= options.subdivisions; ++l) {
       const ParentOrigin origin = l == 1 ? ParentOrigin::given : ParentOrigin::subdivided;
-      SubdividedMesh next = subdivide(spheres, surface, result.mesh, origin, options);
+      SubdividedMesh next = subdivide(spheres, surface, result.mesh, origin,
+                                      connectivity_of(l, result.mesh, options), options);
       result.mesh = std::move(next.mesh);
       result.levels.push_back(next.stats);
       observe(l);
       advance(options.monitor, 1);
     }
-    compute_normals(spheres, surface, result.mesh);
+    if (options.normals == Normals::gradients) compute_normals(spheres, surface, result.mesh);
     const auto end = std::chrono::steady_clock::now();
     result.seconds = std::chrono::duration<double>(end - begin - observed).count();
     return result;

@@ -151,13 +151,13 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
 }
 
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
-                         const IndexedMesh& parent, ParentOrigin origin,
+                         const IndexedMesh& parent, ParentOrigin origin, Connectivity connectivity,
                          const RefineOptions& options) {
   const Buffer<std::uint32_t> edge = number_edges(parent.opposite);
   SubdividedMesh child;  // the finer mesh
   IndexedMesh& mesh = child.mesh;
   const Midpoints level{parent, edge, mesh};
-  make_children(level, mesh);
+  make_children(level, connectivity, mesh);
   child.stats = parent.triangle_labels() == TriangleLabels::spheres
                     ? constrain_midpoints(SphereConstraint(spheres, surface.projection()), level,
                                           mesh, options.monitor)

@@ -24,14 +24,14 @@ enum class ParentOrigin : std::uint8_t { given, subdivided };
 
 // Subdivides `parent` once, projects the midpoints and takes bad moves back. If triangles are
 // labelled, no move is bad. Precondition: `parent` has `opposite`. The result has `opposite` too if
-// its half-edges can be numbered in 32 bits (kMaxHalfEdges). It has normals only if `parent` has
-// them.
+// that is wanted and its half-edges can be numbered in 32 bits (kMaxHalfEdges). It has normals only
+// if `parent` has them.
 struct SubdividedMesh {
   IndexedMesh mesh;
   ProjectionStats stats;
 };
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
-                         const IndexedMesh& parent, ParentOrigin origin,
+                         const IndexedMesh& parent, ParentOrigin origin, Connectivity connectivity,
                          const RefineOptions& options);
 
 }  // namespace vdwmesh

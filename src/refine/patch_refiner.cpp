@@ -134,7 +134,7 @@ IndexedMesh subdivide(const PatchConstraint& constraint, const IndexedMesh& pare
   const Buffer<std::uint32_t> edge = number_edges(parent.opposite);
   IndexedMesh mesh;
   const Midpoints level{parent, edge, mesh};
-  make_children(level, mesh);
+  make_children(level, Connectivity::half_edges, mesh);
   stats = constrain_midpoints(constraint, level, mesh, monitor);
   return mesh;
 }

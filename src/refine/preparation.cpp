@@ -154,7 +154,7 @@ void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
 }
 
 IndexedMesh prepare_mesh(IndexedMesh mesh, const RefineOptions& options) {
-  if (options.projection != Projection::none) mesh.normals = {};
+  if (options.projection != Projection::none || options.normals == Normals::none) mesh.normals = {};
   if (options.subdivisions > 0) mesh.opposite = find_opposite(mesh);
   if (mesh.vertex_spheres.empty()) {
     mesh.vertex_spheres.assign(mesh.vertex_count(), on_sphere(kNoSphere));

@@ -29,7 +29,8 @@ void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh);
 
 // Completes the given mesh for level 0. Afterwards each vertex has a label of three ids, all
 // kNoSphere if no labels were given, and opposite half-edges are there if a subdivision follows.
-// Its normals are removed if the mesh is projected, because they are then computed anew at the end.
+// Its normals are removed if none are wanted, or if the mesh is projected, because they are then
+// computed anew at the end.
 // Throws InvalidInput if the mesh is not closed and a subdivision follows.
 IndexedMesh prepare_mesh(IndexedMesh given, const RefineOptions& options);
 

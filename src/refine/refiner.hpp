@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,6 +48,10 @@ struct RefineOptions {
   Monitor* monitor = nullptr;
   Workspace* workspace = nullptr;  // keeps memory and cell list for later calls; may be null
   std::uint64_t device_memory = kNoMemoryLimit;  // bytes, for the CUDA backend
+  // What the caller will not read of the refined mesh, and is therefore not made.
+  Normals normals = Normals::gradients;  // none: the result has none
+  // Triangles. A subdivided mesh of more has no `opposite`.
+  std::uint64_t half_edges_up_to = std::numeric_limits<std::uint64_t>::max();
 };
 
 inline constexpr int kMaxSubdivisions = 16;           // 4^16 = 2^32 triangles from one
@@ -87,8 +92,8 @@ class Refiner {
   // 4 F triangles. The vertices keep their indices, and the midpoints follow in the order of the
   // lower half-edges of their edges. Triangle t becomes 4t .. 4t + 3. The given vertices are
   // projected once, and each midpoint once, on the level that makes it. A vertex that is on the
-  // surface already is not moved. The result has `opposite` if it was given or computed and its
-  // entries fit 32 bits.
+  // surface already is not moved. The result has `opposite` if it was given or computed, its
+  // entries fit 32 bits, and the options do not leave it out.
   //
   // A move of a vertex is bad if it turns a triangle of one atom against that atom's outward
   // normal, or if a triangle at the vertex crosses another one. Bad moves are taken back in passes

@@ -1,6 +1,6 @@
 // The first of the seeded sets of bench/exact_mesh_sets: general ones have the topology of the
-// union; nearly degenerate ones have it too, or differ by what the mesher announced, or are
-// refused.
+// union, and no angle below its floor; nearly degenerate ones have the topology too, or differ by
+// what the mesher announced, or are refused.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -31,6 +31,10 @@ TEST_P(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
       const ExactMesh made = mesh_at(set.spheres, set.edge_length);
       expect_union_mesh(set.spheres, made.mesh, exact_union(set.spheres),
                         demands_of_set(set, made.stats));
+      if (recipe.position == Position::general) {
+        const AngleCensus angles = angle_census(set.spheres, made.mesh);
+        EXPECT_EQ(angles.unexplained, 0u) << angles.text();
+      }
     } catch (const LimitExceeded&) {
       EXPECT_EQ(recipe.name, "pencils");
       ++refused;

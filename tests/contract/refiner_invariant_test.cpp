@@ -125,6 +125,40 @@ TEST_P(RefinerInvariant, GivenOppositesMakeNoDifference) {
   EXPECT_EQ(a.opposite, b.opposite);
 }
 
+// The same mesh but for what was not asked for; levels that are divided further have half-edges
+// whatever is asked for.
+TEST_P(RefinerInvariant, WhatIsNotReadIsNotMade) {
+  const SphereSet spheres = cluster(40, 26);
+  const ExtractResult extracted = marching_cubes(spheres, 0.6, FieldKind::blinn);
+  for (const Projection projection : {Projection::vdw, Projection::field, Projection::none}) {
+    for (const int subdivisions : {1, 2}) {
+      RefineOptions options = field_options(subdivisions, FieldKind::blinn, extracted.grid);
+      options.projection = projection;
+      const RefineResult all = refine(spheres, extracted.mesh, options);
+      ASSERT_FALSE(all.mesh.normals.empty());
+      const std::uint64_t triangles = all.mesh.triangle_count();
+      options.normals = Normals::none;
+      for (const std::uint64_t up_to : {std::uint64_t{0}, triangles - 1, triangles}) {
+        options.half_edges_up_to = up_to;
+        RefineResult part = refine(spheres, extracted.mesh, options);
+        EXPECT_TRUE(part.mesh.normals.empty());
+        EXPECT_EQ(part.mesh.opposite.empty(), up_to < triangles);
+        if (up_to == triangles) {
+          EXPECT_EQ(part.mesh.opposite, all.mesh.opposite);
+        }
+        part.mesh.normals = all.mesh.normals;
+        part.mesh.opposite = all.mesh.opposite;
+        EXPECT_EQ(hash(part.mesh), hash(all.mesh));
+        ASSERT_EQ(part.levels.size(), all.levels.size());
+        for (std::size_t l = 0; l < all.levels.size(); ++l) {
+          EXPECT_EQ(part.levels[l].undone, all.levels[l].undone);
+          EXPECT_EQ(part.levels[l].turned, all.levels[l].turned);
+        }
+      }
+    }
+  }
+}
+
 TEST_P(RefinerInvariant, PermutedSpheresPermuteTheLabels) {
   const SphereSet spheres = cluster(50, 23);
   const auto count = static_cast<SphereId>(spheres.size());

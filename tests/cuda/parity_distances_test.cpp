@@ -111,6 +111,18 @@ TEST_F(Parity, DistancesOfOddMeshes) {
   expect_same_distances(translated(icosphere(4), {1e6, 3, 2}), crowded, "far off");
 }
 
+// Few samples, so that a warp has them of all three balls: the mesh is close to the second ball;
+// the first has more triangles near each of its points than a device lists; and none is near the
+// third.
+TEST_F(Parity, DistancesNearFewAndManyTriangles) {
+  const SphereSet balls({{{0, 0, 0}, 1}, {{6, 0, 0}, 1}, {{0, 14, 0}, 1}});
+  IndexedMesh mesh = translated(scaled(icosphere(1), 1.2), {6, 0, 0});
+  for (int shell = 1; shell <= 6; ++shell) mesh = together(mesh, scaled(icosphere(4), 0.2 * shell));
+  for (const double density : {0.5, 1.0, 10.0})
+    expect_same_distances(mesh, balls, "density " + std::to_string(density),
+                          {.samples_per_area = density});
+}
+
 IndexedMesh mesh_of(const SphereSet& spheres, double spacing, int subdivisions) {
   RefineOptions refine;
   refine.subdivisions = subdivisions;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "core/errors.hpp"
@@ -37,10 +38,10 @@ std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
 }  // namespace
 
 // The comparison takes a.piece with b.halvings and the other way round, which puts the larger
-// number of halvings first; unique() keeps it.
+// number of halvings first; unique() keeps it. As for cuts, so that the order is one.
 void merge_splits(std::vector<PieceSplit>& splits) {
   tbb::parallel_sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
-    return std::pair(a.piece, b.halvings) < std::pair(b.piece, a.halvings);
+    return std::tuple(a.piece, b.halvings, b.cut) < std::tuple(b.piece, a.halvings, a.cut);
   });
   const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
   splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());
@@ -120,10 +121,9 @@ void ArcSampling::split_arc(std::span<const PieceSplit> splits) {
     const double low = part(arc, k), high = part(arc, k + 1);
     if (k > 0) parts.push_back(low);
     if (next == splits.end() || next->piece != ArcPiece{arc, k}) continue;
-    // The points are spaced evenly in angle between `low` and `high`.
-    const std::uint32_t count = 1u << (next++)->halvings;
-    for (std::uint32_t i = 1; i < count; ++i) {
-      parts.push_back(low + (high - low) * static_cast<double>(i) / count);
+    const PieceSplit& split = *next++;
+    for (std::uint32_t i = 1; i < split.parts(); ++i) {
+      parts.push_back(low + (high - low) * split.share_of_first(i));
     }
   }
   unequal_[arc] = std::move(parts);

@@ -25,10 +25,18 @@ struct ArcPiece {
   friend auto operator<=>(const ArcPiece&, const ArcPiece&) = default;
 };
 
-// A request to split a piece into 2^halvings parts of equal angle.
+// A request to split a piece into 2^halvings parts of equal angle; or, if `cut` is not 0, into two
+// parts (halvings is 1), of which the first one along the arc has the share cut / 2^32.
 struct PieceSplit {
   ArcPiece piece;
-  std::uint32_t halvings;
+  std::uint32_t halvings, cut = 0;
+
+  std::uint32_t parts() const { return 1u << halvings; }
+  // The share of the angle that the first `count` parts along the arc have together.
+  double share_of_first(std::uint32_t count) const {
+    if (cut != 0 && count == 1) return cut * 0x1p-32;
+    return static_cast<double>(count) / parts();
+  }
   friend auto operator<=>(const PieceSplit&, const PieceSplit&) = default;
 };
 
@@ -43,7 +51,8 @@ struct PointSource {
   }
 };
 
-// Sorts requests by piece and keeps one for each: that with the most halvings.
+// Sorts requests by piece and keeps one for each: that with the most halvings, of
+// these that with the largest `cut`.
 void merge_splits(std::vector<PieceSplit>& splits);
 // The patches on both sides of the pieces, by BoundaryArc::balls: ascending, each once. Splits are
 // sorted.

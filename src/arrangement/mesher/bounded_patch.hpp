@@ -170,15 +170,22 @@ struct PatchMemory {
   const Vec3d* lattice;
 };
 
+// What is known of a patch that is being meshed: where its arrays are and how much is in them, and
+// whether it has failed.
+struct PatchDesk {
+  PatchFailure failure = PatchFailure::none;
+  PatchWork<BoundedMemory> work{BoundedMemory(&failure)};
+};
+
 // Meshes one patch. The outcome is in its part of the work memory.
 VDWMESH_HD inline PatchOutcome mesh_bounded_patch(const BoundedPatch& patch,
-                                                  const PatchMemory& memory) {
+                                                  const PatchMemory& memory, PatchDesk& desk) {
   ArrayPlaces inputs(memory.input + patch.input), arrays(memory.work + patch.work);
   const PatchInput in = patch_input(patch.sizes, inputs);
   const PatchSizes& n = patch.sizes;
   const PatchBoundaryView boundary = in.boundary.view(n);
-  PatchFailure failure = PatchFailure::none;
-  PatchWork<BoundedMemory> work{BoundedMemory(&failure)};
+  PatchFailure& failure = desk.failure;
+  PatchWork<BoundedMemory>& work = desk.work;
   place_arrays(n, &failure, arrays, work);
   work.circles.assign(boundary);
   work.plane.resume(patch.largest, in.plane_points, in.star, n.plane_points(), in.triangles,
@@ -194,6 +201,11 @@ VDWMESH_HD inline PatchOutcome mesh_bounded_patch(const BoundedPatch& patch,
           work.interior.data(),
           work.triangles.data(),
           work.splits.data()};
+}
+VDWMESH_HD inline PatchOutcome mesh_bounded_patch(const BoundedPatch& patch,
+                                                  const PatchMemory& memory) {
+  PatchDesk desk;
+  return mesh_bounded_patch(patch, memory, desk);
 }
 
 }  // namespace vdwmesh

@@ -9,6 +9,7 @@
 
 #include "arrangement/mesher/patch_area.hpp"
 #include "arrangement/mesher/patch_batch.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -39,28 +40,37 @@ std::size_t other_bytes(const PatchSizes& sizes) {
 }  // namespace
 
 LookBatch::LookBatch(std::span<const LookJob> jobs, std::uint64_t most_bytes) : jobs_(jobs) {
+  // What a job needs, found on all cores.
+  struct Need {
+    PatchSizes sizes;
+    LookBytes bytes;
+  };
+  std::vector<Need> needs(jobs.size());
+  for_each_index(jobs.size(), [&](std::size_t j) {
+    const PatchSizes sizes = look_sizes(jobs[j].progress->boundary);
+    if (sizes.points <= kMostPointsOfLook) needs[j] = {sizes, bytes_of(sizes)};
+  });
   std::uint64_t bytes = 0;
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
-    const PatchSizes sizes = look_sizes(jobs[j].progress->boundary);
-    if (sizes.points > kMostPointsOfLook) continue;
-    const LookBytes own = bytes_of(sizes);
-    const std::uint64_t with = bytes + own.input + own.state + own.work + other_bytes(sizes);
+    if (jobs[j].progress->boundary.points.size() > kMostPointsOfLook) continue;
+    const LookBytes& own = needs[j].bytes;
+    const std::uint64_t with =
+        bytes + own.input + own.state + own.work + other_bytes(needs[j].sizes);
     if (with > most_bytes) continue;
     bytes = with;
     order_.push_back(j);
   }
-  const auto points = [&](std::uint32_t j) { return jobs[j].progress->boundary.points.size(); };
   tbb::parallel_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return std::pair(points(b), a) < std::pair(points(a), b);
+    return std::pair(needs[b].sizes.points, a) < std::pair(needs[a].sizes.points, b);
   });
   looks_.reserve(order_.size());
   for (const std::uint32_t j : order_) {
-    const PatchSizes sizes = look_sizes(jobs[j].progress->boundary);
-    const LookBytes own = bytes_of(sizes);
+    const auto& [sizes, own] = needs[j];
     looks_.push_back({sizes, input_bytes_, state_bytes_, work_bytes_, jobs[j].edge_length});
     input_bytes_ += own.input;
     state_bytes_ += own.state;
     work_bytes_ += own.work;
+    most_requests_ += capacity(sizes, PatchArray::requests);
   }
 }
 

@@ -25,6 +25,8 @@ class LookBatch {
   std::size_t input_bytes() const { return input_bytes_; }
   std::size_t state_bytes() const { return state_bytes_; }
   std::size_t work_bytes() const { return work_bytes_; }
+  // How many requests all looks may have together.
+  std::size_t most_requests() const { return most_requests_; }
 
   // Writes the packed boundaries, on all cores.
   void pack(std::byte* input) const;
@@ -37,7 +39,7 @@ class LookBatch {
   std::span<const LookJob> jobs_;
   std::vector<std::uint32_t> order_;
   std::vector<BoundedLook> looks_;
-  std::size_t input_bytes_ = 0, state_bytes_ = 0, work_bytes_ = 0;
+  std::size_t input_bytes_ = 0, state_bytes_ = 0, work_bytes_ = 0, most_requests_ = 0;
 };
 
 }  // namespace vdwmesh

@@ -47,8 +47,8 @@ void MeshBorders::merge(std::vector<PieceSplit>& splits) const {
       if (is_own_ball(low) && is_own_ball(high)) continue;
       const std::vector<std::uint32_t>& shared = arcs_[other];
       const auto place = std::ranges::lower_bound(shared, s.piece.arc) - shared.begin();
-      told[other].insert(told[other].end(),
-                         {static_cast<std::uint64_t>(place), s.piece.piece, s.halvings});
+      told[other].insert(told[other].end(), {static_cast<std::uint64_t>(place), s.piece.piece,
+                                             std::uint64_t{s.cut} << 32 | s.halvings});
     }
   });
   const Words heard = team_.exchange(told);
@@ -57,7 +57,8 @@ void MeshBorders::merge(std::vector<PieceSplit>& splits) const {
       const std::vector<std::uint64_t>& words = heard[process];
       for (std::size_t i = 0; i < words.size(); i += 3) {
         splits.push_back({{arcs_[process][words[i]], static_cast<std::uint32_t>(words[i + 1])},
-                          static_cast<std::uint32_t>(words[i + 2])});
+                          static_cast<std::uint32_t>(words[i + 2]),
+                          static_cast<std::uint32_t>(words[i + 2] >> 32)});
       }
     }
     merge_splits(splits);

@@ -15,6 +15,7 @@
 #include "arrangement/mesher/boundary_arcs.hpp"
 #include "arrangement/mesher/mesh_share.hpp"
 #include "arrangement/mesher/mesh_team.hpp"
+#include "arrangement/mesher/split_limits.hpp"
 
 namespace vdwmesh {
 
@@ -29,6 +30,21 @@ class MeshBorders {
  public:
   // Keeps references to its arguments. `boundary` has arcs and corners at own balls alone.
   MeshBorders(const BoundaryArcs& boundary, const OwnedPart& part, const MeshTeam& team);
+
+  // Does a check that may throw CurvesTooClose, and throws it in all processes if it does in one.
+  // Collective.
+  template <class Check>
+  void agree(const Check& check) const {
+    bool refused = false;
+    try {
+      check();
+    } catch (const CurvesTooClose&) {
+      refused = true;
+    }
+    if (team_.sum(std::uint64_t{refused}) > 0) {
+      throw CurvesTooClose("curves of a part are too close to be told apart");
+    }
+  }
 
   // Adds the requests of other processes for the arcs here to those of this one; then they are
   // sorted by piece, each piece once. Collective.

@@ -24,14 +24,12 @@ double least_squared_sine(const std::array<Vec3d, 3>& p) {
   return squared_norm(cross(p[1] - p[0], p[2] - p[0])) / (edges[1] * edges[2]);
 }
 
-// The angle by which direction a must be turned counter-clockwise to come to b, as seen from
-// outside at the point `apex` of the unit sphere; from 0 to a whole turn.
+}  // namespace
+
 double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   const double angle = std::atan2(dot(apex, cross(a, b)), dot(a, b) - dot(apex, a) * dot(apex, b));
   return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
-
-}  // namespace
 
 AngleBound::AngleBound(const PatchBoundaryView& boundary, double angle, double edge_length)
     : boundary_(boundary),

@@ -44,6 +44,10 @@ struct SmallAngles {
   std::uint64_t at_corners = 0, elsewhere = 0;
 };
 
+// The angle by which direction a must be turned counter-clockwise to come to b, as seen from
+// outside at the point `apex` of the unit sphere; from 0 to a whole turn.
+double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b);
+
 class AngleBound {
  public:
   // `angle`: the least one that triangles shall have, rad. `edge_length` is that of the patch, on

@@ -223,11 +223,11 @@ std::vector<std::uint32_t> boundary_order(std::size_t points) {
 
 namespace {
 
-// Splits one piece of a boundary, of which ArcSampling has made `parts` pieces, the first of them
-// the piece `source` of the sampling. `backwards` says that the arc runs from the end of the piece
-// to its beginning.
+// Splits one piece of a boundary, as ArcSampling has split it. `backwards` says that the arc runs
+// from the end of the piece to its beginning.
 SplitChain split_piece(const Sphere& s, const ArcSampling& sampling, bool backwards,
-                       std::uint32_t parts, std::uint32_t p, PatchBoundary& out) {
+                       const PieceSplit& split, std::uint32_t p, PatchBoundary& out) {
+  const std::uint32_t parts = split.parts();
   const BoundaryPiece whole = out.pieces[p];
   const SplitChain chain{p, parts, static_cast<std::uint32_t>(out.pieces.size()),
                          static_cast<std::uint32_t>(out.points.size())};
@@ -237,11 +237,13 @@ SplitChain split_piece(const Sphere& s, const ArcSampling& sampling, bool backwa
     out.points.push_back(direction(s, sampling.point(arc, k)));
   }
   for (std::uint32_t j = 0; j < parts; ++j) {
-    const BoundaryPiece part{j == 0 ? whole.from : chain.first_point + j - 1,
-                             j + 1 == parts ? whole.to : chain.first_point + j,
-                             whole.neighbor,
-                             {arc, first + (backwards ? parts - 1 - j : j)},
-                             whole.bulge / parts};
+    const std::uint32_t along = backwards ? parts - 1 - j : j;  // the number of the part on its arc
+    const BoundaryPiece part{
+        j == 0 ? whole.from : chain.first_point + j - 1,
+        j + 1 == parts ? whole.to : chain.first_point + j,
+        whole.neighbor,
+        {arc, first + along},
+        whole.bulge * (split.share_of_first(along + 1) - split.share_of_first(along))};
     if (j == 0) {
       out.pieces[p] = part;
     } else {
@@ -270,11 +272,11 @@ void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, con
     auto split = first;
     // Splits before the piece on its arc have moved its number.
     for (; split != splits.end() && split->piece < source; ++split) {
-      out.pieces[p].source.piece += (1u << split->halvings) - 1;
+      out.pieces[p].source.piece += split->parts() - 1;
     }
     if (split == splits.end() || split->piece != source) continue;
     const bool backwards = boundary.arcs[source.arc].balls[0] == side;
-    chains.push_back(split_piece(s, sampling, backwards, 1u << split->halvings, p, out));
+    chains.push_back(split_piece(s, sampling, backwards, *split, p, out));
   }
 }
 

@@ -3,8 +3,9 @@
 // the device run the same operations in the same order and make the same bits.
 //
 // - GrowingMemory: arrays grow, and exact arithmetic decides. It fails at nothing. For the host.
-// - BoundedMemory: arrays have a fixed capacity, and nothing decides. What does not fit or is not
-//   decided is noted as a failure, and somebody else must mesh the patch. For the device.
+// - BoundedMemory: arrays have a fixed capacity, and nothing decides. What does not fit, is not
+//   decided or has a small angle is noted as a failure, and somebody else must mesh the patch. For
+//   the device.
 //
 // After a failure the result is worthless, but each step still ends, and reads and writes stay
 // inside the arrays: elements that do not fit are left out, and points are not inserted without
@@ -27,6 +28,7 @@ class GrowingMemory {
   static constexpr bool kIsBounded = false;
 
   bool has_failed() const { return false; }
+  void leave_small_angle() const {}
   template <class T>
   bool has_room(const Array<T>&, std::size_t) const {
     return true;
@@ -57,7 +59,9 @@ enum class PatchArray : std::uint8_t {
 };
 
 // Not simple: the pieces of the boundary meet elsewhere than at their ends, at the first look.
-enum class PatchFailure : std::uint32_t { none, no_room, undecided, not_simple };
+// Small angle: a triangle has one below kFloorOfAngles, which may be below its floor
+// (angle_floors.hpp).
+enum class PatchFailure : std::uint32_t { none, no_room, undecided, not_simple, small_angle };
 
 // An array in memory of somebody else, with the part of std::vector's interface that the steps use.
 template <class T>
@@ -122,6 +126,7 @@ class BoundedMemory {
   VDWMESH_HD explicit BoundedMemory(PatchFailure* failure) : failure_(failure) {}
 
   VDWMESH_HD bool has_failed() const { return *failure_ != PatchFailure::none; }
+  VDWMESH_HD void leave_small_angle() const { *failure_ = PatchFailure::small_angle; }
   // Whether `count` more elements fit. If not, that is a failure.
   template <class T>
   VDWMESH_HD bool has_room(const Array<T>& array, std::size_t count) const {

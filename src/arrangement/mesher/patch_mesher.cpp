@@ -15,8 +15,8 @@
 
 namespace vdwmesh {
 
-// If a split of one piece was asked for several times, the largest number of halvings counts. It
-// comes first in descending order, and unique() keeps it.
+// If a split of one piece was asked for several times, the largest number of halvings counts, then
+// the largest cut. It comes first in descending order, and unique() keeps it.
 void sort_requests(PatchVector<PieceSplit>& splits) {
   std::sort(splits.begin(), splits.end(), std::greater<>());
   const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
@@ -35,11 +35,17 @@ static inline void triangulate(const PatchBoundary& boundary, const PatchOptions
     if (options.demand == Demand::quality && options.splits_for_angles)
       triangulator.bound_angles(*bound);
   }
-  triangulator.run(options.demand, options.stage);
+  std::optional<AngleFloors> floors;
+  if (options.arcs) {
+    floors.emplace(boundary, *options.arcs, options.edge_length);
+    if (options.raises_angles) triangulator.raise_angles(*floors);
+  }
+  const bool has_small_angle = triangulator.run(options.demand, options.stage);
   mesh.interior = scratch.interior;
   mesh.triangles = scratch.triangles;
   mesh.splits = scratch.splits;
   if (bound && mesh.splits.empty()) mesh.below = bound->count(scratch.patch);
+  if (floors && has_small_angle) mesh.below_floor = floors->count(scratch.patch);
 }
 
 // The frame has three corners.

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "arrangement/mesher/angle_floors.hpp"
 #include "arrangement/mesher/patch_angles.hpp"
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
@@ -33,6 +34,10 @@ struct PatchOptions {
   // split for it, unless an arc has so many pieces that this has to end.
   double min_angle = 0;
   bool splits_for_angles = true;
+  // If not null, PatchMesh says how many angles are below their floors; and if `raises_angles`, the
+  // patch is smoothed more often and pieces are split so that none is (angle_floors.hpp).
+  const ArcsOfPatch* arcs = nullptr;
+  bool raises_angles = false;
   // Of the patch, in squares of the radius. With Demand::quality and PatchStage::boundary pieces
   // are split so that the mesh comes near to it (patch_area.hpp). 0: not known, no splits for it.
   double area = 0;
@@ -47,6 +52,7 @@ struct PatchMesh {
   PatchVector<PieceSplit> splits;                       // requests, each piece once
   std::uint64_t exact_tests = 0;  // tests that double precision did not decide
   SmallAngles below = {};         // triangles below PatchOptions::min_angle
+  std::uint64_t below_floor = 0;  // angles; only looked for if there are PatchOptions::arcs
   // Of the points of the boundary. mesh_patch() leaves it empty; UnionMesher fills it.
   PatchVector<PointSource> sources = {};
 };

@@ -24,6 +24,11 @@ inline constexpr double kCornerRatio = 2;
 inline constexpr double kBadAngleSine = 0.4;  // 23.6°
 inline constexpr double kLargeCircle = 0.75;
 
+// No angle of a triangle shall be smaller, but at corners of the patch that are less than twice as
+// wide (angle_floors.hpp).
+inline constexpr double kFloorOfAngles = 5;              // degrees
+inline constexpr double kFloorSine = 0.087155742747658;  // its sine
+
 // The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
 // sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
 // here.)

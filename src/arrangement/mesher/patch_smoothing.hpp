@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "arrangement/directions.hpp"
+#include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_triangles.hpp"
 #include "arrangement/sine_cosine.hpp"
 
@@ -233,22 +234,37 @@ class DefectFinder {
                           Pieces& found)
       : boundary_(boundary), patch_(patch), found_(found) {}
 
-  VDWMESH_HD void run() {
+  // Returns whether any angle of a triangle is smaller than kFloorOfAngles.
+  VDWMESH_HD bool run() {
+    bool has_small_angle = false;
     for (const LinkedTriangle& t : patch_.triangles) {
-      if (is_inward(t)) {
+      const Vec3d &a = at(t, 0), &b = at(t, 1), &c = at(t, 2);
+      const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
+      // As faces_outwards().
+      if (!(dot(a, normal) > 0)) {
         split_around(t);
-      } else {
-        find_folds(t);
+        continue;
       }
+      if (may_be_small(ab, ac, normal)) has_small_angle |= is_small(a, b, c);
+      find_folds(t);
     }
+    return has_small_angle;
   }
 
  private:
   VDWMESH_HD const Vec3d& at(const LinkedTriangle& t, std::size_t k) const {
     return patch_.points[t.vertices[k]];
   }
-  VDWMESH_HD bool is_inward(const LinkedTriangle& t) const {
-    return !faces_outwards(at(t, 0), at(t, 1), at(t, 2));
+  // Whether an angle of the triangle may be below the floor; a cheap test, which nearly all pass.
+  // The squared sine of the least angle is that of the normal's length by the product of the two
+  // longest squared edges. With x and y the squared edges ab and ac, the third one is at most
+  // 2 (x + y), so that product is at most 2 (x + y)².
+  VDWMESH_HD static bool may_be_small(const Vec3d& ab, const Vec3d& ac, const Vec3d& normal) {
+    const double sum = squared_norm(ab) + squared_norm(ac);
+    return squared_norm(normal) < 2.001 * kFloorSine * kFloorSine * (sum * sum);
+  }
+  VDWMESH_HD static bool is_small(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    return !(StarTriangle(a, b, c).least_squared_sine() > kFloorSine * kFloorSine);
   }
   // By how much (rad) the arc of an edge leaves its chord at either end; 0 for an edge inside the
   // patch.
@@ -309,10 +325,10 @@ VDWMESH_HD void smooth(const PatchBoundaryView& boundary, const PointCirclesOf<M
 }
 
 template <class Memory>
-VDWMESH_HD void find_defects(const PatchBoundaryView& boundary,
+VDWMESH_HD bool find_defects(const PatchBoundaryView& boundary,
                              const PatchTrianglesOf<Memory>& patch,
                              typename Memory::template Array<std::uint32_t>& found) {
-  smoothing::DefectFinder<Memory>(boundary, patch, found).run();
+  return smoothing::DefectFinder<Memory>(boundary, patch, found).run();
 }
 
 }  // namespace vdwmesh

@@ -12,10 +12,10 @@ VDWMESH_MULTIVERSION void smooth(const PatchBoundaryView& boundary, const PointC
 }
 
 template <>
-VDWMESH_MULTIVERSION void find_defects(const PatchBoundaryView& boundary,
+VDWMESH_MULTIVERSION bool find_defects(const PatchBoundaryView& boundary,
                                        const PatchTriangles& patch,
                                        PatchVector<std::uint32_t>& found) {
-  smoothing::DefectFinder<GrowingMemory>(boundary, patch, found).run();
+  return smoothing::DefectFinder<GrowingMemory>(boundary, patch, found).run();
 }
 
 }  // namespace vdwmesh

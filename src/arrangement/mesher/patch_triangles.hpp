@@ -49,13 +49,14 @@ void smooth(const PatchBoundaryView& boundary, const PointCircles& circles, int 
 // Appends to `found` the pieces that must be split because a triangle is not valid, in the order of
 // triangles and with repetitions. A triangle is not valid if it faces inwards, or if it would fold
 // over when the arcs beside it replace their chords. Subdivision of the mesh (refine/) replaces
-// them step by step, so such triangles would turn.
+// them step by step, so such triangles would turn. Returns whether a triangle that faces outwards
+// has an angle below kFloorOfAngles.
 template <class Memory>
-VDWMESH_HD void find_defects(const PatchBoundaryView& boundary,
+VDWMESH_HD bool find_defects(const PatchBoundaryView& boundary,
                              const PatchTrianglesOf<Memory>& patch,
                              typename Memory::template Array<std::uint32_t>& found);
 template <>
-void find_defects<GrowingMemory>(const PatchBoundaryView& boundary, const PatchTriangles& patch,
+bool find_defects<GrowingMemory>(const PatchBoundaryView& boundary, const PatchTriangles& patch,
                                  PatchVector<std::uint32_t>& found);
 
 }  // namespace vdwmesh

@@ -20,6 +20,8 @@
 #include <span>
 
 #include "arrangement/directions.hpp"
+#include "arrangement/mesher/angle_floors.hpp"
+#include "arrangement/mesher/cap_margins.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/inside_marks.hpp"
 #include "arrangement/mesher/patch_angles.hpp"
@@ -27,7 +29,6 @@
 #include "arrangement/mesher/patch_work.hpp"
 #include "arrangement/mesher/piece_lens.hpp"
 #include "arrangement/mesher/stereographic.hpp"
-#include "arrangement/sine_cosine.hpp"
 #include "core/monitor.hpp"
 
 namespace vdwmesh {
@@ -37,6 +38,8 @@ namespace triangulator {
 // length. Points nearer to an arc would make flat triangles with its pieces.
 inline constexpr double kLatticeMargin = 0.55;
 inline constexpr int kSmoothingPasses = 1;
+// And so often at most where an angle is below its floor.
+inline constexpr int kMoreSmoothingPasses = 4;
 // The largest edge length, as a fraction of the radius. With longer edges, a patch larger than half
 // the sphere might get no interior point. Its triangles would then have all their vertices on the
 // boundary and face inwards.
@@ -79,26 +82,29 @@ class PatchTriangulator {
     bad_sine_ = std::max(kBadAngleSine, angles.sine_before_smoothing());
   }
 
-  // Fills work.splits, or else, after the stage of triangles, the interior points and triangles.
-  VDWMESH_HD void run(Demand demand, PatchStage stage) {
+  // The patch is smoothed more often, and pieces are split, for the floors. Not for the device.
+  void raise_angles(const AngleFloors& floors) { floors_ = &floors; }
+
+  // Fills work.splits, or else, after the stage of triangles, the interior points and triangles,
+  // and returns whether these have an angle below kFloorOfAngles.
+  VDWMESH_HD bool run(Demand demand, PatchStage stage) {
     splits_.clear();
     work_.interior.clear();
     work_.triangles.clear();
     points_.assign(boundary_.points.data(), boundary_.points.data() + boundary_.points.size());
     if (mark_inside() && demand == Demand::quality) find_long_pieces();
-    if (!splits_.empty() || stage == PatchStage::boundary) return;
+    if (!splits_.empty() || stage == PatchStage::boundary) return false;
     insert_lattice();
     refine();
     divide_edges_within_circles();
     ask_for_angles();
-    if (!splits_.empty() || plane_.has_failed()) return;
+    if (!splits_.empty() || plane_.has_failed()) return false;
     collect_triangles();
     smooth<Memory>(boundary_, circles_, kSmoothingPasses, work_.smoothing, patch_);
     ask_for_smoothed_angles();
-    work_.pieces.clear();
-    find_defects<Memory>(boundary_, patch_, work_.pieces);
-    for (const std::uint32_t piece : work_.pieces) want_split(piece);
+    const bool has_small_angle = ask_for_valid_triangles() && !raise_angles();
     if (splits_.empty()) finish();
+    return has_small_angle && splits_.empty();
   }
 
  private:
@@ -118,6 +124,32 @@ class PatchTriangulator {
     if constexpr (!Memory::kIsBounded) {
       if (angles_) angles_->find_in_patch(patch_, splits_);
     }
+  }
+
+  // After the smoothing: asks for splits where triangles are not valid. Returns whether all are
+  // valid, nothing else was asked for, and an angle is below kFloorOfAngles.
+  VDWMESH_HD bool ask_for_valid_triangles() {
+    work_.pieces.clear();
+    const bool has_small_angle = find_defects<Memory>(boundary_, patch_, work_.pieces);
+    for (const std::uint32_t piece : work_.pieces) want_split(piece);
+    return has_small_angle && splits_.empty();
+  }
+
+  // Some angles may be below their floors: on the device the patch is the host's. If they shall
+  // keep them, smooths the patch again, and asks for splits if that does not help. Returns whether
+  // no angle is below kFloorOfAngles any more.
+  VDWMESH_HD bool raise_angles() {
+    if constexpr (Memory::kIsBounded) {
+      plane_.leave_small_angle();
+    } else {
+      if (!floors_) return false;
+      for (int pass = 0; floors_->has_angle_below(patch_); ++pass) {
+        if (pass == kMoreSmoothingPasses) return floors_->find(patch_, splits_), false;
+        smooth<Memory>(boundary_, circles_, 1, work_.smoothing, patch_);
+        if (!ask_for_valid_triangles()) return true;
+      }
+    }
+    return false;
   }
 
   // Lists every piece in work_.pieces, as 4 t + k for the triangle t on its left, whose edge k it
@@ -238,38 +270,17 @@ class PatchTriangulator {
   }
 
   // Step (3): inserts the points of the subdivided icosahedron that are outside all caps by the
-  // margin. The cosine of a cap's angular radius with the margin is that of a sum. If the sum is
-  // more than half a turn, so that they cover the whole sphere, the bound of -2 admits no point.
+  // margin.
   VDWMESH_HD void insert_lattice() {
-    const SineCosine margin = sine_cosine(kLatticeMargin * edge_length_);
-    work_.margins.clear();
-    for (const CoveredCap& cap : boundary_.caps) {
-      const double c = std::min(std::max(cap.cosine, -1.0), 1.0);
-      const double sum = c * margin.cosine - std::sqrt((1 - c) * (1 + c)) * margin.sine;
-      work_.margins.push_back(c > -margin.cosine ? sum : -2);
-    }
+    CapMargins<Memory> margins(boundary_.caps, kLatticeMargin * edge_length_, work_.margins);
     std::uint32_t near = plane_.triangle_at(0);
     for (const Vec3d& u : lattice_.points(edge_length_)) {
-      if (!is_clear(u)) continue;
+      if (!margins.is_clear(u)) continue;
       const PlanePoint p = projection_.project(u);
       const Location at = plane_.locate(p, near);
       near = at.triangle;
       if (is_free(at)) near = plane_.triangle_at(insert_interior(u, p, at));
     }
-  }
-
-  // Begins with the cap that the point before was too near to: mostly this one is, too.
-  VDWMESH_HD bool is_clear(const Vec3d& u) {
-    const auto is_near = [&](std::size_t cap) {
-      return !(dot(u, boundary_.caps[cap].axis) <= work_.margins[cap]);
-    };
-    if (is_near(last_cap_)) return false;
-    for (std::size_t i = 0; i < work_.margins.size(); ++i) {
-      if (!is_near(i)) continue;
-      last_cap_ = i;
-      return false;
-    }
-    return true;
   }
 
   VDWMESH_HD bool is_buried(const Vec3d& u) const {
@@ -470,9 +481,9 @@ class PatchTriangulator {
   double widest_view_;  // a cosine
   Monitor* monitor_;
   const AngleBound* angles_ = nullptr;
+  const AngleFloors* floors_ = nullptr;
   double bad_sine_ = kBadAngleSine;
   Stereographic projection_;
-  std::size_t last_cap_ = 0;  // of is_clear(); there is one at least
   Lattice& lattice_;
   PatchWork<Memory>& work_;
   // Parts of the work.

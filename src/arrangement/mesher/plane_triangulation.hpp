@@ -115,6 +115,8 @@ class PlaneTriangulationOf : public PlaneTypes {
            memory_.has_room(triangles_, 2) && memory_.has_room(inside_, 2);
   }
   VDWMESH_HD bool has_failed() const { return memory_.has_failed(); }
+  // Makes bounded memory fail.
+  VDWMESH_HD void leave_small_angle() const { memory_.leave_small_angle(); }
   // Calls visit(array, kind) for every array, to give bounded ones their memory: those of the
   // state, in the order of PlaneTypes::State, and all others.
   template <class Visit>

@@ -58,15 +58,16 @@ void SplitLimits::refuse_coincident(std::uint32_t ball) const {
 // The split of a straight piece would not move any point off the chord, so whatever crosses the
 // piece or folds over it would do so with the halves as well. The sagitta of an arc of radius r and
 // angle a is r a² / 8 for small a.
+bool SplitLimits::is_straight(const ArcPiece& piece, double times) const {
+  const BoundaryArc& arc = boundary_.arcs[piece.arc];
+  const double angle = sampling_.piece_angle(piece);
+  const double size = largest_coordinate(arc.center) + arc.radius;
+  return arc.radius * angle * angle / 8 < times * kStraight * size;
+}
+
 void SplitLimits::check_straightness(std::span<const PieceSplit> splits) const {
-  const auto is_straight = [&](std::size_t i) {
-    const ArcPiece& piece = splits[i].piece;
-    const BoundaryArc& arc = boundary_.arcs[piece.arc];
-    const double angle = sampling_.piece_angle(piece);
-    const double size = largest_coordinate(arc.center) + arc.radius;
-    return arc.radius * angle * angle / 8 < kStraight * size;
-  };
-  if (const auto i = first_of_all(splits.size(), is_straight)) refuse(splits[*i].piece);
+  const auto is_straight_piece = [&](std::size_t i) { return is_straight(splits[i].piece); };
+  if (const auto i = first_of_all(splits.size(), is_straight_piece)) refuse(splits[*i].piece);
 }
 
 bool SplitLimits::has_grown(std::uint64_t now, std::uint64_t at_first) const {
@@ -75,12 +76,14 @@ bool SplitLimits::has_grown(std::uint64_t now, std::uint64_t at_first) const {
 
 // For angles, an arc gets at most so many pieces, besides 16 for each piece it had at first, and
 // what one more round adds. Both are at most a quarter of what has_grown() allows.
-bool SplitLimits::leave_room(std::span<const PieceSplit> splits) const {
+bool SplitLimits::has_room_for_angles(std::uint32_t arc) const {
   constexpr std::uint64_t kMostForAngles = 1024;
-  return !first_of_all(splits.size(), [&](std::size_t i) {
-    const std::uint32_t arc = splits[i].piece.arc;
-    return sampling_.pieces(arc) > kMostForAngles + 16 * pieces_of_arc_at_first_[arc];
-  });
+  return sampling_.pieces(arc) <= kMostForAngles + 16 * pieces_of_arc_at_first_[arc];
+}
+
+bool SplitLimits::leave_room(std::span<const PieceSplit> splits) const {
+  return !first_of_all(splits.size(),
+                       [&](std::size_t i) { return !has_room_for_angles(splits[i].piece.arc); });
 }
 
 // Curves that nearly coincide ask for shorter and shorter pieces. If the arcs have too many

@@ -23,7 +23,7 @@ class SplitLimits {
   SplitLimits(std::span<const SphereId> ids, const BoundaryArcs& boundary,
               const ArcSampling& sampling);
 
-  // All but leave_room() throw CurvesTooClose, with the spheres that meet in a piece.
+  // Those without a result throw CurvesTooClose, with the spheres that meet in a piece.
   [[noreturn]] void refuse(const ArcPiece& piece) const;
   // Of two curves on the sphere of this ball that have a point in common where they should not.
   [[noreturn]] void refuse_coincident(std::uint32_t ball) const;
@@ -37,9 +37,13 @@ class SplitLimits {
     std::uint64_t memory_limit;
   };
   void check_growth(std::span<const PieceSplit> splits, const Growth& growth) const;
-  // Whether no arc of the pieces just split has so many pieces that splits for the angles of
-  // triangles must end, long before check_growth() gives up.
+  // Whether the arc has not so many pieces that splits for the angles of triangles must end, long
+  // before check_growth() gives up; and whether this holds for all arcs of the pieces just split.
+  bool has_room_for_angles(std::uint32_t arc) const;
   bool leave_room(std::span<const PieceSplit> splits) const;
+  // Whether a piece is so straight that check_straightness() gives up, or nearly: whether its
+  // sagitta is less than so many times what is too little.
+  bool is_straight(const ArcPiece& piece, double times = 1) const;
 
  private:
   bool has_grown(std::uint64_t now, std::uint64_t at_first) const;

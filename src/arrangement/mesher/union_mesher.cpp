@@ -6,10 +6,9 @@
 // Steps: (1) Sample all arcs. (2) Mesh the patches in rounds. A round meshes its patches in
 // parallel, each by itself. A patch may return requests to split pieces of its boundary. The pieces
 // are split in the common sampling, and the patches on both sides of them are meshed again in the
-// next round, until there are no requests. There are two series of rounds. The first only tests the
-// boundaries, which is quick; the second makes triangles. (3) Number the vertices (corners, points
-// of arcs, interior points ball by ball) and copy the patches into one mesh (mesh_placement.hpp),
-// which goes to the team.
+// next round, until there are no requests. There are three series of rounds (mesh_rounds.hpp). (3)
+// Number the vertices (corners, points of arcs, interior points ball by ball) and copy the patches
+// into one mesh, which goes to the team.
 //
 // Several processes may do this together (mesh_team.hpp). Each meshes the patches of a run of
 // balls. If all of them have arranged all balls, all split the pieces that any of them wants split.
@@ -37,6 +36,7 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/mesh_borders.hpp"
 #include "arrangement/mesher/mesh_placement.hpp"
+#include "arrangement/mesher/mesh_rounds.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_limits.hpp"
 #include "core/blocks.hpp"
@@ -45,19 +45,14 @@
 namespace vdwmesh {
 namespace {
 
-// All count the rounds of one series. In the first kQualityRounds rounds, or kAngleRounds if the
-// angles have a bound, pieces are split for the quality of triangles as well, afterwards only for
-// their validity. If there are still requests in round kMostRounds, the mesher gives up.
-constexpr int kQualityRounds = 12, kAngleRounds = 30;
-constexpr int kMostRounds = 60;
-
 // One run of the mesher; run() lists the steps.
 class UnionMesher {
  public:
   UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
               const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
-              const OwnedPart* part)
+              const OwnedPart* part, bool has_floors)
       : options_(options),
+        has_floors_(has_floors),
         team_(team),
         t_(arrangement.balls),
         areas_(arrangement.boundary.areas),
@@ -83,6 +78,9 @@ class UnionMesher {
         options_.monitor);
   }
 
+  // Whether run() has come to its last series of rounds, and the boundary that it was given.
+  bool is_raising_angles() const { return is_raising_angles_; }
+  BoundaryArcs boundary() && { return std::move(boundary_); }
   ExactMeshStats run() && {
     team_.together([&] {
       const PatchExtents extents{areas_, edge_lengths_};
@@ -91,9 +89,7 @@ class UnionMesher {
     });
     pieces_at_first_ = all_pieces();
     mesh_patches();
-    // None without a bound.
-    for (const PatchMesh& patch :
-         options_.min_angle > 0 ? std::span(patches_) : std::span<PatchMesh>()) {
+    for (const PatchMesh& patch : patches_) {
       stats_.below_min_angle_at_corners += patch.below.at_corners;
       stats_.below_min_angle += patch.below.elsewhere;
     }
@@ -138,15 +134,15 @@ class UnionMesher {
     return borders_ ? team_.sum(std::uint64_t{run.second - run.first}) : here;
   }
 
-  // Whether the ball's sphere is exposed as a whole, but for points of contact. Without arcs it is
-  // exposed entirely or not at all, but for such points: its exposed area is near 4 pi r² or near
-  // 0, and comparing with half of the sphere's area tells the two apart despite rounding.
+  // Whether the ball's sphere is exposed as a whole, but for points of contact. Without arcs its
+  // exposed area is near 4 pi r² or near 0: half of the sphere's tells them apart despite rounding.
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;
     return index_.arcs(ball).empty() && areas_[ball] > 2 * std::numbers::pi * r * r;
   }
 
-  // The two series of rounds: first the boundaries of all patches that have one, then all patches.
+  // The series of rounds: first the boundaries of all patches that have one, then all patches, then
+  // those that have an angle below its floor.
   void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
     for (std::uint32_t b = share_.balls.first; b < share_.balls.second; ++b) {
@@ -154,20 +150,26 @@ class UnionMesher {
       if (has_arcs) bounded.push_back(b);
       if (has_arcs || is_whole(b)) all.push_back(b);
     }
-    run_rounds(std::move(bounded), PatchStage::boundary);
-    run_rounds(std::move(all), PatchStage::triangles);
+    run_rounds(std::move(bounded), RoundSeries::boundaries);
+    run_rounds(all, RoundSeries::patches);
+    const std::uint64_t below = has_floors_ ? team_.sum(angles_below_floor(patches_)) : 0;
+    if (below == 0) return;
+    is_raising_angles_ = true;
+    std::erase_if(all, [&](std::uint32_t b) { return patches_[b].below_floor == 0; });
+    run_rounds(std::move(all), RoundSeries::floors);
+    if (team_.sum(angles_below_floor(patches_)) >= below) throw CurvesTooClose("for floors");
   }
 
   // One series of rounds: meshes the patches of `balls` in parallel, splits the pieces that they
   // ask for, and goes on with the balls on both sides of these pieces, until no process has
   // requests. All processes split the same pieces.
-  void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
+  void run_rounds(std::vector<std::uint32_t> balls, RoundSeries series) {
     for (int round = 1;; ++round) {
-      const Demand demand = has_quality(round) ? Demand::quality : Demand::validity;
+      const RoundDemands demands = demands_of(series, round, options_, leaves_room_);
       std::vector<PieceSplit> splits;
       std::uint32_t coincident = kNoIndex;
       team_.together([&] {
-        mesh_balls(balls, demand, stage);
+        mesh_balls(balls, series, demands);
         coincident = first_coincident(balls);
         splits = wanted_splits(balls);
       });
@@ -195,7 +197,7 @@ class UnionMesher {
         fits = pieces_fit();
         std::vector<std::uint32_t> next = sides_of(boundary_, last_splits_);
         std::erase_if(next, [&](std::uint32_t b) { return !share_.has_patch_of(b); });
-        if (on_device_) share_with_device(balls, next, stage);
+        if (on_device_) share_with_device(balls, next, demands.stage);
         balls = std::move(next);
       });
       const SplitLimits::Growth growth{pieces_at_first_, all_pieces(), team_.least(fits) != 0,
@@ -205,43 +207,28 @@ class UnionMesher {
     }
   }
 
-  // Whether pieces are split for the angles of triangles, and for their quality, in this round.
-  bool has_angles(int round) const {
-    return options_.min_angle > 0 && leaves_room_ && round <= kAngleRounds;
-  }
-  bool has_quality(int round) const { return round <= kQualityRounds || has_angles(round); }
-
   // Does a check that may throw CurvesTooClose. If all processes have arranged all balls, it comes
-  // to the same in all of them; parts have to tell each other.
+  // to the same in all of them.
   template <class Check>
   void agree(const Check& check) const {
-    if (!borders_) return check();
-    bool refused = false;
-    try {
-      check();
-    } catch (const CurvesTooClose&) {
-      refused = true;
-    }
-    if (team_.sum(std::uint64_t{refused}) > 0) {
-      throw CurvesTooClose("curves of a part are too close to be told apart");
-    }
+    borders_ ? borders_->agree(check) : check();
   }
 
-  // One round.
-  void mesh_balls(const std::vector<std::uint32_t>& balls, Demand demand, PatchStage stage) {
+  void mesh_balls(const std::vector<std::uint32_t>& balls, RoundSeries series,
+                  const RoundDemands& demands) {
     if (balls.empty()) return;
-    begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
-                balls.size());
+    const bool is_boundary = series == RoundSeries::boundaries;
+    begin_stage(options_.monitor, is_boundary ? "sample arcs" : "mesh patches", balls.size());
     const auto mesh_all = [&](const std::vector<std::uint32_t>& some) {
       tbb::parallel_for(std::size_t{0}, some.size(), [&](std::size_t i) {
-        mesh_ball(some[i], demand, stage);
+        mesh_ball(some[i], demands);
         advance(options_.monitor, 1);
       });
     };
     const bool is_first = last_splits_.empty();
-    if (!on_device_) {
+    if (!on_device_ || series == RoundSeries::floors) {
       mesh_all(balls);
-    } else if (stage == PatchStage::triangles) {
+    } else if (!is_boundary) {
       mesh_all(is_first ? mesh_beside_device(balls) : balls);
     } else if (is_first) {
       look_beside_device(balls);
@@ -271,17 +258,19 @@ class UnionMesher {
             .area = areas_[ball] / (r * r)};
   }
 
-  // Meshes the patch of one ball into patches_[ball]. Threads run this at the same time for
-  // different balls. An error about coincident points must not depend on which thread comes first,
-  // so such points are only noted here (first_coincident()).
-  void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
+  // Meshes the patch of one ball into patches_[ball], for several balls at the same time. An error
+  // must not depend on which thread comes first: coincident points are noted (first_coincident()).
+  void mesh_ball(std::uint32_t ball, const RoundDemands& demands) {
     PatchOptions options = patch_options(ball);
     if (is_whole(ball)) {
       patches_[ball] = mesh_sphere(options.edge_length);
       return;
     }
-    options.demand = demand;
-    options.stage = stage;
+    options.demand = demands.demand;
+    options.stage = demands.stage;
+    const ArcsOfPatch arcs{boundary_, sampling_, limits_, ball, t_.balls[ball].radius};
+    if (has_floors_) options.arcs = &arcs;
+    options.raises_angles = demands.raises_angles;
     PatchProgress& progress = up_to_date(ball);
     try {
       PatchMesh& patch = patches_[ball] = mesh_patch(progress, options, scratch_.local());
@@ -294,7 +283,7 @@ class UnionMesher {
   // The first round, if there is a device: it looks at boundaries, too.
   void look_beside_device(const std::vector<std::uint32_t>& balls) {
     const auto look = [this](std::uint32_t b) {
-      mesh_ball(b, Demand::quality, PatchStage::boundary);
+      mesh_ball(b, {PatchStage::boundary, Demand::quality});
     };
     const auto begin = [this](std::uint32_t b) {
       const PatchOptions options = patch_options(b);
@@ -356,7 +345,7 @@ class UnionMesher {
     send_to_device(of_host, HostWork::patches);
     on_device_->finish([&] {
       tbb::parallel_for(std::size_t{0}, of_host.size(), [&](std::size_t i) {
-        mesh_ball(of_host[i], Demand::quality, PatchStage::triangles);
+        mesh_ball(of_host[i], {PatchStage::triangles, Demand::quality});
         advance(options_.monitor, 1);
       });
     });
@@ -413,12 +402,11 @@ class UnionMesher {
     return splits;
   }
 
-  // Builds the piece of this process. Its vertices are corners and points of arcs, in the order of
-  // the numbers that the sampling has given them, then the interior points ball by ball; the
-  // patches of other processes are empty here. Every ball writes to index ranges of its own, from
-  // first_vertex and first_triangle on, so balls run in parallel. A patch is freed once it is
-  // copied. The device writes what it has kept, while the host writes corners and arcs; then come
-  // the patches of the host, over whatever the device has written there.
+  // Builds the piece of this process. Its vertices are corners and points of arcs, as the sampling
+  // has numbered them, then the interior points ball by ball; the patches of other processes are
+  // empty here. Every ball writes to index ranges of its own, so balls run in parallel. The device
+  // writes what it has kept, while the host writes corners and arcs; then come the patches of the
+  // host, over whatever the device has written there.
   void assemble(UnnumberedPiece& piece) {
     IndexedMesh& mesh = piece.mesh;
     MeshPlacement placement(t_, boundary_, sampling_, index_, share_);
@@ -462,6 +450,7 @@ class UnionMesher {
   }
 
   ExactMeshOptions options_;
+  bool has_floors_, is_raising_angles_ = false;  // the latter in the last series of rounds
   MeshTeam& team_;
   const PlacedBalls& t_;
   const std::vector<double>& areas_;  // by ball
@@ -482,19 +471,30 @@ class UnionMesher {
   // By ball. The elements are bytes and not bits, because several threads set them.
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
-  // Empty without a device. It comes last: its thread, which ends with it, reads the others.
+  // Empty without a device. Last, since its thread, which ends with it, reads the others.
   std::optional<DevicePatches> on_device_;
 };
 
 }  // namespace
 
+// A bound on the angles, with excuses of its own, takes the place of the floors. If curves come too
+// close only where pieces are split for floors, or no fewer angles are below them then, as between
+// curves that all but coincide, the mesh is made without.
 ExactMeshStats mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
                              const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team,
                              const OwnedPart* part) {
   std::optional<UnionMesher> mesher;
-  team.together(
-      [&] { mesher.emplace(arrangement, std::move(boundary), options, device, team, part); });
-  return std::move(*mesher).run();
+  for (bool has_floors = options.min_angle == 0;; has_floors = false) {
+    team.together([&] {
+      mesher.emplace(arrangement, std::move(boundary), options, device, team, part, has_floors);
+    });
+    try {
+      return std::move(*mesher).run();
+    } catch (const CurvesTooClose&) {
+      if (!mesher->is_raising_angles()) throw;
+    }
+    boundary = std::move(*mesher).boundary();
+  }
 }
 
 }  // namespace vdwmesh

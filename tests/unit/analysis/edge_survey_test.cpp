@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "analysis/vertex_survey.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -195,6 +196,26 @@ TEST(EdgeSurvey, ManyVertices) {
     EXPECT_EQ(found.used_vertices, kSide * kSide);
     EXPECT_EQ(found.shells, 1u);
   }
+}
+
+// More triangles than a block has, in runs of one shell and shuffled.
+TEST(EdgeSurvey, ShellsOfManyBlocksAreNumberedByTheirFirstTriangles) {
+  std::mt19937 random(6);
+  Triangles triangles;
+  std::uint32_t vertices = 0;
+  while (triangles.size() <= 2 * kIndicesPerBlock) {
+    const std::uint32_t sides = 3 + below(60, random);
+    add_bipyramid(triangles, vertices + 2, sides, vertices, vertices + 1);
+    vertices += sides + 2;
+  }
+  std::vector<std::uint32_t> name(vertices);
+  std::iota(name.begin(), name.end(), 0u);
+  std::shuffle(name.begin(), name.end(), random);
+  for (auto& triangle : triangles)
+    for (std::uint32_t& v : triangle) v = name[v];
+  expect_survey(triangles, vertices);
+  std::shuffle(triangles.begin(), triangles.end(), random);
+  expect_survey(triangles, vertices);
 }
 
 }  // namespace

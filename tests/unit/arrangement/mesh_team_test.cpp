@@ -14,6 +14,7 @@
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
 #include "support/family_sets.hpp"
+#include "support/floor_sets.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -189,6 +190,17 @@ TEST(MeshTeam, PartsOfSetsUnlikeProteinsAreThoseOfOneProcess) {
     in_parts += expect_same_by(2 + seed % 4, SphereSet(balls));
   });
   EXPECT_GT(in_parts, 15u);
+}
+
+// Pieces on a border are halved and cut for the floors of angles, by all members alike.
+TEST(MeshTeam, FloorsOfAngles) {
+  std::vector<SphereSet> sets{short_arc(1e-5)};
+  for (const double h : {0.1, 0.2, 0.3}) {
+    for (const double k : {0.2, 0.45, 0.6}) sets.push_back(strip(0.01, h, k));
+  }
+  for (const SphereSet& spheres : sets) {
+    for (const std::size_t members : {2u, 3u, 4u}) EXPECT_TRUE(expect_same_by(members, spheres));
+  }
 }
 
 bool fits(const SphereSet& spheres, const ExactMeshOptions& options) {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include "core/errors.hpp"
@@ -87,6 +88,25 @@ TEST(OutputFile, KeepsThePermissionsOfWhatItReplaces) {
 }
 
 // 255 bytes on the file systems of Linux: nothing may be added to the name on the way.
+// So long that parts of it are sent to the disk before the end; in pieces of several lengths.
+TEST(OutputFile, ReplacesAFileByALongOne) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory / "old";
+  std::ofstream(path) << "old";
+  std::string expected;
+  OutputFile file(path);
+  for (std::size_t piece = 1; expected.size() < 30'000'000; piece *= 3) {
+    const std::string bytes(piece, static_cast<char>('a' + piece % 7));
+    file.write(bytes.data(), bytes.size());
+    expected += bytes;
+    EXPECT_EQ(fs::file_size(path), 3u);
+  }
+  file.commit();
+  std::ifstream read(path, std::ios::binary);
+  EXPECT_TRUE(std::string(std::istreambuf_iterator<char>(read), {}) == expected);
+  EXPECT_THAT(directory.names(), ElementsAre("old"));
+}
+
 TEST(OutputFile, TakesTheLongestName) {
   for (const auto staging :
        {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {

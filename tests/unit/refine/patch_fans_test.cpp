@@ -43,7 +43,7 @@ struct DividedTwice {
       parent = std::move(mesh);
       mesh = {};
       edge = number_edges(parent.opposite);
-      make_children(level(), mesh);
+      make_children(level(), Connectivity::half_edges, mesh);
       for (std::size_t h = 0; h < level().items(); ++h) {
         if (!level().handled_by_item(h)) continue;
         const Vec3d middle = level().middle_of(h);

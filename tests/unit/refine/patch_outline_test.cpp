@@ -298,7 +298,7 @@ RestoredMeshes expect_those_of_all_pairs(const BallSet& set, Moving moving, Chan
     const Buffer<std::uint32_t> edge = number_edges(parent.opposite);
     IndexedMesh mesh;
     const Midpoints level{parent, edge, mesh};
-    make_children(level, mesh);
+    make_children(level, Connectivity::half_edges, mesh);
     const Buffer<MoveState> states = move_midpoints(spheres, level, moving, mesh, draw);
     IndexedMesh expected = mesh, divided = mesh;
     const int passes =
