@@ -65,8 +65,9 @@ std::uint64_t patch_slack(const MemoryDemand& d) {
   return excluded ? 2 * kPatchSlack : kPatchSlack;
 }
 
-// As the arrays will be laid out: refinement adds half-edges and normals unless nobody reads them,
-// and the mesher of patches grows its arrays as it goes.
+// As the arrays will be laid out: refinement adds half-edges and normals, which are counted also
+// where those of the last level are not made because nobody reads them, and the mesher of patches
+// grows its arrays as it goes.
 std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
   if (d.mesh_bytes) return *d.mesh_bytes;
   const bool refined = d.surface && d.surface->subdivisions > 0;

@@ -40,8 +40,8 @@ Structure load(const InputOptions& options, Session& session);
 // Its first half; to_spheres() of batch/molecule_spheres.hpp is the second.
 Molecule load_molecule(const InputOptions& options, Session& session);
 
-// What of a mesh is made, and who hears of it meanwhile. A refined mesh has normals and half-edges
-// anyway; the observers may be empty.
+// What of a mesh is made, and who hears of it meanwhile. The levels above the last one of a refined
+// mesh have normals and half-edges anyway; the observers may be empty.
 struct MeshRequest {
   Connectivity connectivity = Connectivity::triangles;
   Normals normals = Normals::gradients;
@@ -101,11 +101,11 @@ LevelObserver record_levels(SelfIntersections self_intersections, int last,
                             std::vector<LevelReport>& levels, Session& session);
 void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mesh);
 
+// Whether a mesh of so many triangles is checked with CGAL, and the most triangles of one that is.
+bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles);
+std::uint64_t most_checked_with_cgal(CgalCheck wanted);
 // CGAL's measures of the OpenMesh mesh. Where the mesh is too large for the choice, or has no
 // half-edge structure, the report says so and they stay empty.
-bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles);
-// The most triangles with which it is.
-std::uint64_t most_checked_with_cgal(CgalCheck wanted);
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session);
 
 // The CPK colour of each atom.

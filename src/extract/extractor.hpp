@@ -129,8 +129,8 @@ class Extractor {
   // its part of the mesh with SurfacePart::emit(). The function also counts the bricks behind the
   // range, about a layer, because triangles at its border refer to them, and with half-edges as
   // many before it. So `spheres` must have all spheres near these bricks; it may lack the others if
-  // all processes use the same GridOptions::given and the same frame. Throws as extract() does, but
-  // does not check the size of the mesh.
+  // all processes use the same GridOptions::given and, of a blended field, the same frame. Throws
+  // as extract() does, but does not check the size of the mesh.
   virtual std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                              const ExtractOptions& options) const = 0;
 };

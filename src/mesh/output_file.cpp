@@ -161,15 +161,20 @@ void OutputFile::write(const char* data, std::size_t size) {
 
 // A rename() that replaces a file waits on some file systems (ext4) until all of the new file is on
 // its way to the disk, so that after a power failure there is the old file or the new one. Most of
-// that time is saved if the bytes are sent there as they come. The call waits for no byte, and is a
-// hint whose errors do not matter.
+// that time is saved if the bytes are sent there as they come. The call does not wait for them,
+// unless the disk has more to do than it takes at once. A system may not know the call, or not for
+// this kind of file, which does not matter; but where a file system finds room for bytes only when
+// it sends them, the call may be the only one that says that there is none.
 void OutputFile::begin_writing_back([[maybe_unused]] std::size_t size) {
 #ifdef SYNC_FILE_RANGE_WRITE
   constexpr std::uint64_t kAtOnce = std::uint64_t{1} << 23;  // bytes
   written_ += size;
   if (!replaces_ || written_ - written_back_ < kAtOnce) return;
-  (void)::sync_file_range(descriptor_, static_cast<off64_t>(written_back_),
-                          static_cast<off64_t>(written_ - written_back_), SYNC_FILE_RANGE_WRITE);
+  const int sent =
+      ::sync_file_range(descriptor_, static_cast<off64_t>(written_back_),
+                        static_cast<off64_t>(written_ - written_back_), SYNC_FILE_RANGE_WRITE);
+  const bool is_lost = sent != 0 && (errno == EIO || errno == ENOSPC || errno == EDQUOT);
+  if (is_lost) fail("cannot be written in full");
   written_back_ = written_;
 #endif
 }

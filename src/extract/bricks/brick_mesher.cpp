@@ -27,6 +27,8 @@ constexpr std::size_t kBricksPerTask = 32;
 constexpr std::size_t kBricksPerWave = 256 * kBricksPerTask;  // 8192 bricks, some MB
 // From this many bricks on, some MB, memory is returned to the system before the mesh is allocated.
 constexpr std::size_t kManyBricks = 4096;
+// Room for so many bricks, 30 MB, is no burden, even where untouched memory counts.
+constexpr std::size_t kSomeBricks = 65536;
 
 using Clock = std::chrono::steady_clock;
 
@@ -62,13 +64,16 @@ ActiveBrick* close_up(ActiveBrick* end, ActiveBrick* first, std::span<const std:
 }
 
 // Fills `all` with the candidates that hold surface. `all` is first resized to the number of
-// candidates, with `room` for more bricks behind them; its elements are not initialised, and
-// untouched pages of it take no memory. Each wave writes to the elements of its candidates, and the
+// candidates, with `room` for more bricks behind them, but not for more than there are candidates
+// or kSomeBricks: a layer of a grid may have 10^8 bricks of which two hold surface, and room that
+// is never used is refused where the system counts it. The elements are not initialised, and
+// untouched pages take no memory. Each wave writes to the elements of its candidates, and the
 // bricks that it keeps are then moved to the end of the bricks kept so far. So there is no second
 // array.
 void count_all(std::span<const std::uint64_t> candidates, std::uint64_t room,
                const BrickLoops& loops, Monitor* monitor, Buffer<ActiveBrick>& all) {
-  all.reserve(candidates.size() + room);
+  const std::size_t most_room = std::max(candidates.size(), kSomeBricks);
+  all.reserve(candidates.size() + std::min<std::uint64_t>(room, most_room));
   resize_untouched(all, candidates.size());
   ActiveBrick* end = all.data();
   std::vector<std::size_t> sizes;

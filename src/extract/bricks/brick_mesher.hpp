@@ -35,8 +35,9 @@ class BrickMesher {
               const ExtractOptions& options, Workspace& workspace);
 
   // Counts and numbers the candidates: the bricks of `own` and of its halo (brick_search.hpp) that
-  // may hold surface. Only the bricks of `own` will be emitted. The default is all bricks. Makes
-  // room for so many bricks of a halo that set_halo() will add.
+  // may hold surface. Only the bricks of `own` will be emitted. The default is all bricks.
+  // `halo_room` is the most bricks that set_halo() will add; room is made for them, but not for
+  // many more than there are candidates.
   void count(const CandidateSearch& candidates, const KeyRange& own = {},
              std::uint64_t halo_room = 0);
 

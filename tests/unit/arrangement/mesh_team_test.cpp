@@ -206,7 +206,9 @@ TEST(MeshTeam, FloorsOfAngles) {
 // Splits for the floors are given up, in all members alike, and the mesh is made without them.
 TEST(MeshTeam, FloorsThatAreGivenUp) {
   const SphereSet spheres = near_pencil();
-  for (const std::size_t members : {2u, 3u, 4u}) expect_same_by(members, spheres, 0.5);
+  for (const std::size_t members : {2u, 3u, 4u}) {
+    EXPECT_TRUE(expect_same_by(members, spheres, 0.5));
+  }
 }
 
 // While angles are enlarged, a lack of memory is an error, as elsewhere. It must not lead to a mesh

@@ -53,6 +53,18 @@ std::vector<std::unique_ptr<PartWithoutHalo>> parts_with_given_halos(
   return parts;
 }
 
+// A layer of this grid has 2 * 10^8 bricks, room for which would take 99 GB, which most systems
+// refuse. Only those with surface count.
+TEST(PartWithoutHalo, BallsFarFromEachOtherNeedNoRoomForALayer) {
+  const SphereSet spheres({{{0, 0, 0}, 1.5}, {{60'000, 60'000, 0}, 1.5}});
+  ExtractOptions options;
+  options.connectivity = Connectivity::triangles;
+  const std::unique_ptr<PartWithoutHalo> part = count_without_halo(spheres, {}, options);
+  const std::span<const ActiveBrick> bricks = part->counted({0, kNoBrickKey});
+  EXPECT_GT(bricks.size(), 0u);
+  EXPECT_LT(bricks.size(), 1000u);
+}
+
 TEST(PartWithoutHalo, GivenHalosMakeTheSameMesh) {
   Dice dice(31);
   for (std::uint32_t index = 0; index < 60; ++index) {

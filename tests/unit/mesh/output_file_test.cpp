@@ -87,7 +87,6 @@ TEST(OutputFile, KeepsThePermissionsOfWhatItReplaces) {
   }
 }
 
-// 255 bytes on the file systems of Linux: nothing may be added to the name on the way.
 // So long that parts of it are sent to the disk before the end; in pieces of several lengths.
 TEST(OutputFile, ReplacesAFileByALongOne) {
   const TemporaryDirectory directory;
@@ -107,6 +106,7 @@ TEST(OutputFile, ReplacesAFileByALongOne) {
   EXPECT_THAT(directory.names(), ElementsAre("old"));
 }
 
+// 255 bytes on the file systems of Linux: nothing may be added to the name on the way.
 TEST(OutputFile, TakesTheLongestName) {
   for (const auto staging :
        {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
