@@ -309,6 +309,7 @@ class Bench {
   }
 
   void time_stages() {
+    // The last mesh's memory, as a repeated mesh has it: new memory would have to be cleared first.
     IndexedMesh made;
     if (piece_) made = std::move(piece_->mesh);
     piece_.reset();

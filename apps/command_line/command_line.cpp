@@ -178,7 +178,8 @@ class Reading {
     }
     const bool is_mesh = name == "-o" || name == "--output";
     refuse("{}: not an option of {} {}{}{}", name, program_.name, verb_.name,
-           is_mesh ? "; it writes no mesh, vdwmesh mesh does" : suggestion(name, known),
+           is_mesh ? fmt::format("; it writes no mesh, {} mesh does", program_.name)
+                   : suggestion(name, known),
            see_help());
   }
 

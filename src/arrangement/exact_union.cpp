@@ -33,7 +33,6 @@
 #include "core/errors.hpp"
 #include "spheres/kept_cell_lists.hpp"
 #include "surface/box.hpp"
-#include "surface/meeting_boxes.hpp"
 
 namespace vdwmesh {
 namespace {

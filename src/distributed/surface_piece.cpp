@@ -66,6 +66,7 @@ void name_locally(const HaloVertices& halo, SurfacePiece& piece) {
         place[v] = number;
         piece.elsewhere[number] = first + own + v;
       }));
+  piece.elsewhere.shrink_to_fit();  // few of the halo's vertices have a name
   for_each_other([own = own](std::uint32_t& corner, std::uint32_t number) {
     corner = static_cast<std::uint32_t>(own + number);
   });

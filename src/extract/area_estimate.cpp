@@ -29,7 +29,6 @@
 #include "spheres/cell_list.hpp"
 #include "spheres/even_directions.hpp"
 #include "surface/box.hpp"
-#include "surface/meeting_boxes.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -87,17 +87,21 @@ std::uint64_t most_behind(const GridSpec& grid) {
   return along(grid.cells.x) * (along(grid.cells.y) + 1) + 1;
 }
 
+// Where the halo of a part comes from: it is counted with the part, or set_halo() gives it.
+enum class HaloSource { counted, given };
+
 // Only the bricks of the range are emitted.
 class CpuSurfacePart final : public PartWithoutHalo {
  public:
-  // `searched` is the range, and its halo too if that is to be counted here.
-  CpuSurfacePart(const SphereSet& spheres, const KeyRange& range, const KeyRange& searched,
+  CpuSurfacePart(const SphereSet& spheres, const KeyRange& range, HaloSource halo,
                  const ExtractOptions& options)
       : workspace_(options.workspace),
         scene_(spheres, options, workspace_),
         mesher_(scene_.model.grid, loops_of(scene_.job()), LabelWidth::one, options, workspace_) {
+    const bool is_given = halo == HaloSource::given;
+    const KeyRange searched = is_given ? range : with_halo(range, options.connectivity);
     mesher_.count(scene_.candidates(searched, options), range,
-                  searched.end == range.end ? most_behind(scene_.model.grid) : 0);
+                  is_given ? most_behind(scene_.model.grid) : 0);
   }
 
   MeshSize size() const override { return mesher_.size(); }
@@ -134,8 +138,7 @@ class CpuExtractor final : public Extractor {
 
   std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                      const ExtractOptions& options) const override {
-    return std::make_unique<CpuSurfacePart>(spheres, range, with_halo(range, options.connectivity),
-                                            options);
+    return std::make_unique<CpuSurfacePart>(spheres, range, HaloSource::counted, options);
   }
 };
 
@@ -145,7 +148,7 @@ std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres, co
                                                     const ExtractOptions& options) {
   ExtractOptions without_half_edges = options;
   without_half_edges.connectivity = Connectivity::triangles;
-  return std::make_unique<CpuSurfacePart>(spheres, range, range, without_half_edges);
+  return std::make_unique<CpuSurfacePart>(spheres, range, HaloSource::given, without_half_edges);
 }
 
 std::unique_ptr<Extractor> make_cpu_extractor() { return std::make_unique<CpuExtractor>(); }

@@ -1,4 +1,4 @@
-// Boxes that grow around points and other boxes, for host and device.
+// Boxes that grow around points and other boxes, and whether two of them meet. For host and device.
 #pragma once
 
 #include <algorithm>
@@ -26,6 +26,15 @@ VDWMESH_HD constexpr void include(Box& box, const Vec3d& p) { include(box, Box{p
 
 VDWMESH_HD constexpr Vec3d middle(const Box& box) {
   return box.lower + 0.5 * (box.upper - box.lower);
+}
+
+// Whether two boxes have a point in common. Faces belong to the boxes.
+VDWMESH_HD constexpr bool meet(const Box& a, const Box& b) {
+  bool does = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    does = does && a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
+  }
+  return does;
 }
 
 // The bounding box of a ball.

@@ -26,18 +26,6 @@ double angle_between(const Vec3d& a, const Vec3d& b) {
   return argument(dot(a, b), norm(cross(a, b)));
 }
 
-// The arcsine, by Newton's method, with the same bits on every version of the C library. For
-// sines up to 0.4 the first guess errs by 0.012 at most, and an error e becomes less than e² / 4:
-// 4e-5, 4e-10, 4e-20.
-double arcsine(double sine) {
-  double angle = sine;
-  for (int step = 0; step < 3; ++step) {
-    const SineCosine at = sine_cosine(angle);
-    angle -= (at.sine - sine) / at.cosine;
-  }
-  return angle;
-}
-
 double angle_at(const PatchTriangles& patch, const LinkedTriangle& t, std::uint32_t k) {
   const Vec3d& p = patch.points[t.vertices[k]];
   return angle_between(patch.points[t.vertices[corner_after(k)]] - p,
@@ -50,10 +38,7 @@ AngleFloors::AngleFloors(const PatchBoundaryView& boundary, const ArcsOfPatch& a
                          double edge_length)
     : boundary_(boundary), arcs_(arcs), shortest_(kShortestForFloors * edge_length) {}
 
-double AngleFloors::chord(std::uint32_t piece) const {
-  const BoundaryPiece& p = boundary_.pieces[piece];
-  return norm(boundary_.points[p.to] - boundary_.points[p.from]);
-}
+double AngleFloors::chord(std::uint32_t piece) const { return chord_of(boundary_, piece); }
 
 template <class Visit>
 bool AngleFloors::visit_below(const PatchTriangles& patch, const Visit& visit) const {
@@ -194,12 +179,13 @@ void AngleFloors::halve(std::uint32_t piece, PatchVector<PieceSplit>& found) con
 
 // Cuts a piece so that its part at `point` has a chord of this length on the unit sphere. A chord
 // of a circle of radius c over the angle x is 2 c sin(x / 2) long. The piece's own chord is longer,
-// and x at most an eighth of a turn (kLeastPiecesOfCircle), so the sine is at most 0.383.
+// and x at most an eighth of a turn (kLeastPiecesOfCircle).
 void AngleFloors::cut(std::uint32_t piece, std::uint32_t point, double length,
                       PatchVector<PieceSplit>& found) const {
   const BoundaryPiece& p = boundary_.pieces[piece];
   const BoundaryArc& arc = arcs_.boundary.arcs[p.source.arc];
-  const double angle = 2 * arcsine(length * arcs_.radius / (2 * arc.radius));
+  const double sine = length * arcs_.radius / (2 * arc.radius);
+  const double angle = 2 * argument(std::sqrt((1 - sine) * (1 + sine)), sine);
   const double fraction = angle / arcs_.sampling.piece_angle(p.source);
   if (!may_split(piece, std::min(fraction, 1 - fraction))) return;
   const bool backwards = arc.balls[0] == arcs_.ball, from_first = backwards == (point == p.to);

@@ -38,7 +38,8 @@ std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
 }  // namespace
 
 // The comparison takes a.piece with b.halvings and the other way round, which puts the larger
-// number of halvings first; unique() keeps it. As for cuts, so that the order is one.
+// number of halvings first; unique() keeps it. Of two cuts the larger one is kept, whoever asked
+// first.
 void merge_splits(std::vector<PieceSplit>& splits) {
   tbb::parallel_sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
     return std::tuple(a.piece, b.halvings, b.cut) < std::tuple(b.piece, a.halvings, a.cut);

@@ -51,8 +51,8 @@ struct PointSource {
   }
 };
 
-// Sorts requests by piece and keeps one for each: that with the most halvings, of
-// these that with the largest `cut`.
+// Sorts requests by piece and keeps one for each: that with the most halvings, and of several such
+// that with the largest `cut`.
 void merge_splits(std::vector<PieceSplit>& splits);
 // The patches on both sides of the pieces, by BoundaryArc::balls: ascending, each once. Splits are
 // sorted.

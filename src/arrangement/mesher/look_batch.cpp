@@ -40,10 +40,10 @@ std::size_t other_bytes(const PatchSizes& sizes) {
 }  // namespace
 
 LookBatch::LookBatch(std::span<const LookJob> jobs, std::uint64_t most_bytes) : jobs_(jobs) {
-  // What a job needs, found on all cores.
+  // What a job needs, found on all cores. Without points: it has too many for a look.
   struct Need {
-    PatchSizes sizes;
-    LookBytes bytes;
+    PatchSizes sizes = {};
+    LookBytes bytes = {};
   };
   std::vector<Need> needs(jobs.size());
   for_each_index(jobs.size(), [&](std::size_t j) {
@@ -52,7 +52,7 @@ LookBatch::LookBatch(std::span<const LookJob> jobs, std::uint64_t most_bytes) : 
   });
   std::uint64_t bytes = 0;
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
-    if (jobs[j].progress->boundary.points.size() > kMostPointsOfLook) continue;
+    if (needs[j].sizes.points == 0) continue;
     const LookBytes& own = needs[j].bytes;
     const std::uint64_t with =
         bytes + own.input + own.state + own.work + other_bytes(needs[j].sizes);

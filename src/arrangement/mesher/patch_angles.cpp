@@ -33,6 +33,11 @@ double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   return argument(dot(a, b) - dot(apex, a) * dot(apex, b), dot(apex, cross(a, b)));
 }
 
+double chord_of(const PatchBoundaryView& boundary, std::uint32_t piece) {
+  const BoundaryPiece& p = boundary.pieces[piece];
+  return norm(boundary.points[p.to] - boundary.points[p.from]);
+}
+
 AngleBound::AngleBound(const PatchBoundaryView& boundary, double angle, double edge_length)
     : boundary_(boundary),
       sine_(std::sin(angle)),
@@ -41,10 +46,7 @@ AngleBound::AngleBound(const PatchBoundaryView& boundary, double angle, double e
   find_sharp_corners();
 }
 
-double AngleBound::chord(std::uint32_t piece) const {
-  const BoundaryPiece& p = boundary_.pieces[piece];
-  return norm(boundary_.points[p.to] - boundary_.points[p.from]);
-}
+double AngleBound::chord(std::uint32_t piece) const { return chord_of(boundary_, piece); }
 
 void AngleBound::take(std::uint32_t piece, PatchVector<PieceSplit>& found) const {
   if (piece != kNoPiece && chord(piece) > shortest_)

@@ -50,6 +50,8 @@ double argument(double re, double im);
 // The angle by which direction a must be turned counter-clockwise to come to b, as seen from
 // outside at the point `apex` of the unit sphere; from 0 to a whole turn.
 double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b);
+// The length of a piece's chord, on the unit sphere.
+double chord_of(const PatchBoundaryView& boundary, std::uint32_t piece);
 
 class AngleBound {
  public:

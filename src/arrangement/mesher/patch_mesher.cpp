@@ -38,7 +38,7 @@ static inline void triangulate(const PatchBoundary& boundary, const PatchOptions
   std::optional<AngleFloors> floors;
   if (options.arcs) {
     floors.emplace(boundary, *options.arcs, options.edge_length);
-    if (options.raises_angles) triangulator.raise_angles(*floors);
+    if (options.raises_angles) triangulator.keep_floors(*floors);
   }
   const bool has_small_angle = triangulator.run(options.demand, options.stage);
   mesh.interior = scratch.interior;

@@ -255,7 +255,8 @@ class DefectFinder {
   VDWMESH_HD const Vec3d& at(const LinkedTriangle& t, std::size_t k) const {
     return patch_.points[t.vertices[k]];
   }
-  // Whether an angle of the triangle may be below the floor; a cheap test, which nearly all pass.
+  // Whether an angle of the triangle may be below the floor; a cheap test, by which for nearly all
+  // triangles none is.
   // The squared sine of the least angle is that of the normal's length by the product of the two
   // longest squared edges. With x and y the squared edges ab and ac, the third one is at most
   // 2 (x + y), so that product is at most 2 (x + y)².

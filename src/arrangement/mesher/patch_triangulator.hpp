@@ -83,7 +83,7 @@ class PatchTriangulator {
   }
 
   // The patch is smoothed more often, and pieces are split, for the floors. Not for the device.
-  void raise_angles(const AngleFloors& floors) { floors_ = &floors; }
+  void keep_floors(const AngleFloors& floors) { floors_ = &floors; }
 
   // Fills work.splits, or else, after the stage of triangles, the interior points and triangles,
   // and returns whether these have an angle below kFloorOfAngles.

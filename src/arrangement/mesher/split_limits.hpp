@@ -23,7 +23,8 @@ class SplitLimits {
   SplitLimits(std::span<const SphereId> ids, const BoundaryArcs& boundary,
               const ArcSampling& sampling);
 
-  // Those without a result throw CurvesTooClose, with the spheres that meet in a piece.
+  // All without a result but check_fit() throw CurvesTooClose, with the spheres that meet in a
+  // piece.
   [[noreturn]] void refuse(const ArcPiece& piece) const;
   // Of two curves on the sphere of this ball that have a point in common where they should not.
   [[noreturn]] void refuse_coincident(std::uint32_t ball) const;

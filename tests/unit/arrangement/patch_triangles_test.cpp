@@ -1,11 +1,17 @@
-// Which pieces of the boundary are blamed for triangles that face inwards.
+// Which pieces of the boundary are blamed for triangles that face inwards, and which triangles have
+// a small angle.
 #include "arrangement/mesher/patch_triangles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <vector>
+
+#include "arrangement/mesher/patch_quality.hpp"
+#include "support/dice.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -56,6 +62,57 @@ TEST(PatchDefects, OfOneWithoutPiecesThoseAtItsVertices) {
 
 TEST(PatchDefects, OfOneAwayFromTheBoundaryAllPieces) {
   EXPECT_EQ(defects_of({6, 5, 4}, {kNone, kNone, kNone}), (Pieces{0, 1, 2, 3}));
+}
+
+double least_angle(const std::array<Vec3d, 3>& p) {
+  double least = std::numbers::pi;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d a = p[(k + 1) % 3] - p[k], b = p[(k + 2) % 3] - p[k];
+    least = std::min(least, std::atan2(norm(cross(a, b)), dot(a, b)));
+  }
+  return least;
+}
+
+// find_defects() looks at most triangles with a bound alone. Here the angle is computed for all:
+// triangles of all sizes, most of them with an angle near the floor, at any of the three vertices.
+TEST(PatchDefects, SmallAnglesAreSeenWhereverTheyAre) {
+  constexpr double kDegree = std::numbers::pi / 180, kFloor = kFloorOfAngles * kDegree;
+  EXPECT_DOUBLE_EQ(kFloorSine, std::sin(kFloor * (1 + kFloorMargin)));
+  testing::Dice dice(7);
+  const PatchBoundary boundary = equator();
+  std::size_t small = 0, others = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    // An angle at the first of three points, between sides whose lengths differ up to 20 times.
+    const double size = std::pow(10, dice.real(-6, -1.5));
+    const double angle = kFloor * (dice.one_in(4) ? dice.real(0, 20) : dice.real(0.9, 1.1));
+    const double at = dice.real(0, 2 * std::numbers::pi),
+                 side = size * std::pow(20, dice.real(0, 1));
+    const Vec3d first{dice.real(-0.1, 0.1), dice.real(-0.1, 0.1), 0};
+    const std::array<Vec3d, 3> flat{
+        first, first + size * Vec3d{std::cos(at), std::sin(at), 0},
+        first + side * Vec3d{std::cos(at + angle), std::sin(at + angle), 0}};
+    const auto turned = static_cast<std::size_t>(dice.whole(0, 2));
+    std::array<Vec3d, 3> p;
+    PatchTriangles patch;
+    patch.points = boundary.points;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& q = flat[(k + turned) % 3];
+      p[k] = {q.x, q.y, std::sqrt(1 - squared_norm(q))};
+      patch.points.push_back(p[k]);
+    }
+    // The sphere's curvature turns some long needles inwards.
+    if (!(dot(p[0], cross(p[1] - p[0], p[2] - p[0])) > 0)) continue;
+    const double least = least_angle(p);
+    if (std::abs(least / kFloor - 1) < 1e-6) continue;  // not certain for such sizes
+    patch.triangles = {{{4, 5, 6}, {kNoNeighbor, kNoNeighbor, kNoNeighbor}, {kNone, kNone, kNone}}};
+    PatchVector<std::uint32_t> found;
+    ASSERT_EQ(find_defects<GrowingMemory>(boundary, patch, found), least < kFloor)
+        << least / kDegree << " " << size << " " << side;
+    EXPECT_TRUE(found.empty());
+    ++(least < kFloor ? small : others);
+  }
+  EXPECT_GT(small, 20'000u);
+  EXPECT_GT(others, 20'000u);
 }
 
 }  // namespace
