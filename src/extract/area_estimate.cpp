@@ -238,9 +238,10 @@ class MarkedCells {
     const Vec3d size = box.upper - box.lower;
     for (int axis = 0; axis < 3; ++axis) {
       constexpr double kMost = 512;  // 16 MB of bits in all
+      const auto a = static_cast<std::size_t>(axis);
       const double cells = std::clamp(std::floor(size[axis] / edge), 1.0, kMost);
-      count_[axis] = static_cast<std::size_t>(cells);
-      scale_[axis] = size[axis] > 0 ? cells / size[axis] : 0;
+      count_[a] = static_cast<std::size_t>(cells);
+      scale_[a] = size[axis] > 0 ? cells / size[axis] : 0;
     }
     marks_.resize(count_[0] * count_[1] * count_[2]);
   }
