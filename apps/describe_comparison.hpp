@@ -14,7 +14,7 @@ void describe(A& a, const AtomErrors& errors) {
 template <class A>
 void describe(A& a, const MeshProof& proof) {
   a("topology_is_exact", proof.topology_is_exact);
-  a("atom_area_error", proof.atoms);
+  a("atom_area_error", proof.atoms), a("below_floor", proof.below_floor);
   a("extrapolated_area_error", proof.extrapolated_area_error);
   a("extrapolated_volume_error", proof.extrapolated_volume_error);
 }

@@ -51,7 +51,7 @@ void describe(A& a, const ExactMeshStats& stats) {
   a("device_patches", stats.device_patches), a("left_patches", stats.left_patches);
   a("device_batches", stats.device_batches), a("returned_patches", stats.returned_patches);
   a("triangulated_balls", stats.triangulated_balls);
-  a("below_min_angle", stats.below_min_angle);
+  a("below_floor", stats.below_floor), a("below_min_angle", stats.below_min_angle);
   a("below_min_angle_at_corners", stats.below_min_angle_at_corners),
       a("seconds", stats.arrangement_seconds);
 }

@@ -234,6 +234,7 @@ void prove(const IndexedMesh& mesh, const Molecule& molecule, Session& session) 
   MeshProof& proof = report.comparison->proof.emplace();
   proof.topology_is_exact = has_exact_topology(*report.mesh, *report.exact);
   proof.atoms = atom_errors(mesh, molecule, *report.exact);
+  if (const auto& stats = report.mesh->arrangement) proof.below_floor = stats->below_floor;
   if (!report.input.measure) {
     proof.extrapolated_area_error =
         relative_error(report.mesh->extrapolated_area, report.exact->area);

@@ -107,6 +107,10 @@ void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& 
                      100 * proof.atoms->max, proof.atoms->worst, 100 * proof.atoms->rms,
                      proof.atoms->atoms));
   }
+  if (proof.below_floor) {
+    line(out, "",
+         fmt::format("{} angles below their floors, before subdivision", *proof.below_floor));
+  }
   if (mesh.extrapolated_area) {
     line(out, "",
          fmt::format("extrapolated area {} Å²{}", figure_text(*mesh.extrapolated_area),

@@ -10,6 +10,7 @@
 // half of the memory is full of kept patches, the following batches travel to the host at once,
 // which writes their patches as its own: so the mesh need not fit the device.
 #include <cuda_runtime.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -308,7 +309,7 @@ class CudaPatchDevice final : public PatchDevice {
     // The first batches of both threads are packed at once, so that the host has to wait for its
     // next round only once, and the device does not wait for it.
     for (HostRoom& room : rooms_) room.batch.reset();  // whatever a call that failed has left
-    order.look([&] {
+    look_first(order, [&] {
       batches = batches_of(order.jobs, shares.batch);
       for (std::size_t i = 0; i < std::min(batches.size(), rooms_.size()); ++i) {
         pack_batch(order, batches[i], rooms_[i]);
@@ -324,7 +325,7 @@ class CudaPatchDevice final : public PatchDevice {
       return false;
     };
     for_each(batches.size(), [&](std::size_t i, HostRoom& room, const Stream& stream) {
-      if (!room.batch) order.look([&] { pack_batch(order, batches[i], room); });
+      if (!room.batch) look_first(order, [&] { pack_batch(order, batches[i], room); });
       kept_[before + i] =
           mesh_batch(order, static_cast<std::uint32_t>(before + i), room, may_keep, stream);
       advance(order.monitor, batches[i].size());
@@ -363,6 +364,13 @@ class CudaPatchDevice final : public PatchDevice {
     return std::min(most_bytes_, available_device_memory() / 8 * 7 + kept_bytes_);
   }
 
+  // Calls look(), for whose work the host's cores leave what else they have: until it is done, the
+  // device waits, and so may the host's next round.
+  template <class Look>
+  void look_first(const PatchOrder& order, const Look& look) {
+    order.look([&] { packing_.execute(look); });
+  }
+
   // Calls work(i, room, stream) for i = 0 .. count - 1, on two threads. Thread i begins with i.
   template <class Work>
   void for_each(std::size_t count, const Work& work) {
@@ -377,7 +385,8 @@ class CudaPatchDevice final : public PatchDevice {
   std::uint64_t most_bytes_;
   int device_ = 0;
   std::array<HostRoom, 2> rooms_;  // for the two threads
-  std::vector<KeptBatch> kept_;    // empty for batches that went to the host
+  tbb::task_arena packing_{tbb::task_arena::automatic, 1, tbb::task_arena::priority::high};
+  std::vector<KeptBatch> kept_;  // empty for batches that went to the host
   std::atomic<std::uint64_t> kept_bytes_ = 0;
 };
 

@@ -17,8 +17,8 @@ namespace vdwmesh::mesher {
 // turn to while others wait for memory. Measured on an H200 (patches_bench):
 //
 //   patches   best for a warp   with the best   otherwise
-//     1,905                 1            7 ms   20 ms with 8
-//    60,362                 8           75 ms   166 ms with 1, 99 ms with 16
+//     1,905                 1            7 ms   14 ms with 8
+//    60,362                 8           59 ms   164 ms with 1, 73 ms with 16
 constexpr unsigned patches_per_warp(std::uint32_t patches) {
   return patches < 8192 ? 1 : (patches < 16384 ? 2 : (patches < 32768 ? 4 : 8));
 }

@@ -24,6 +24,7 @@ AngleCensus expect_floors(const SphereSet& spheres, double edge_length) {
   const IndexedMesh mesh = expect_union_meshes(spheres, edge_length, 1);
   const AngleCensus census = angle_census(spheres, mesh);
   EXPECT_EQ(census.unexplained, 0u) << census.text();
+  EXPECT_EQ(mesh_at(spheres, edge_length).stats.below_floor, 0u);
   return census;
 }
 
@@ -72,6 +73,18 @@ TEST_P(ExactMesherFloors, SharpCorners) {
       }
     }
   }
+}
+
+// What is left below the floors is counted: the mesher's number is that found from the spheres.
+TEST_P(ExactMesherFloors, AnglesThatAreLeft) {
+  const SphereSet spheres = near_pencil();
+  for (const double edge_length : {0.5, 0.35}) {
+    const ExactMesh made = mesh_at(spheres, edge_length);
+    const AngleCensus census = angle_census(spheres, made.mesh);
+    EXPECT_GT(census.unexplained, 0u);
+    EXPECT_EQ(made.stats.below_floor, census.unexplained) << census.text();
+  }
+  EXPECT_FALSE(mesh_with(spheres, {.edge_length = 0.5, .min_angle = 10}).stats.below_floor);
 }
 
 TEST_P(ExactMesherFloors, AnyNumberOfThreads) {

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -70,6 +71,7 @@ ArcSampling::ArcSampling(const BoundaryArcs& boundary, std::span<const double> e
     const double shorter = std::min(edge_lengths[arc.balls[0]], edge_lengths[arc.balls[1]]);
     pieces_[a] = piece_count(arc, shorter);
   });
+  all_pieces_ = std::accumulate(pieces_.begin(), pieces_.end(), std::uint64_t{0});
 }
 
 ArcSampling::~ArcSampling() {
@@ -105,6 +107,7 @@ void ArcSampling::split(std::span<const PieceSplit> splits) {
     first_split_[splits[begin].piece.arc] = static_cast<std::uint32_t>(begin);
     split_arc(splits.subspan(begin));
   });
+  for (const PieceSplit& split : splits) all_pieces_ += split.parts() - 1;
 }
 
 // An entry of an earlier call does no harm: either it does not lead to a split of the arc, and then

@@ -75,6 +75,8 @@ class ArcSampling {
   // The number of pieces of an arc, and of every arc.
   std::uint32_t pieces(std::uint32_t arc) const;
   const std::vector<std::uint32_t>& pieces() const { return pieces_; }
+  // The number of pieces of all arcs.
+  std::uint64_t all_pieces() const { return all_pieces_; }
   // Position of a sample point, 0 <= index <= pieces(arc). Ends of an arc are exactly its corners.
   Vec3d point(std::uint32_t arc, std::uint32_t index) const;
   // The angle of sample point `index` as a fraction of the arc's sweep, 0 to 1.
@@ -108,6 +110,7 @@ class ArcSampling {
 
   const BoundaryArcs& boundary_;
   std::vector<std::uint32_t> pieces_;  // per arc: the number of its pieces
+  std::uint64_t all_pieces_ = 0;
   // Per arc: the fractions of points 1 .. n - 1, ascending. Empty while all pieces of the arc are
   // equal.
   std::vector<PatchVector<double>> unequal_;

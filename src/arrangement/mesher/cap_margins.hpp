@@ -34,15 +34,11 @@ class CapMargins {
   // Begins with the cap that the point before was too near to: mostly this one is, too.
   VDWMESH_HD bool is_clear(const Vec3d& u) {
     const auto is_near = [&](std::size_t cap) {
-      return !(dot(u, caps_[cap].axis) <= bounds_[cap]);
+      const bool is = !(dot(u, caps_[cap].axis) <= bounds_[cap]);
+      if (is) last_ = cap;
+      return is;
     };
-    if (is_near(last_)) return false;
-    for (std::size_t i = 0; i < bounds_.size(); ++i) {
-      if (!is_near(i)) continue;
-      last_ = i;
-      return false;
-    }
-    return true;
+    return !is_near(last_) && !any_below<Memory>(bounds_.size(), is_near);
   }
 
  private:

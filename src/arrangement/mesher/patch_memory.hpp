@@ -149,4 +149,14 @@ class BoundedMemory {
   PatchFailure* failure_ = nullptr;
 };
 
+// Whether test(i) holds for any i below `count`. Patches ask it of all caps around a point. A
+// thread of a device tests all of them: threads that end their loops at different caps would wait
+// for each other, and each for its memory, cap after cap.
+template <class Memory, class Test>
+VDWMESH_HD bool any_below(std::size_t count, const Test& test) {
+  bool any = false;
+  for (std::size_t i = 0; i < count && (Memory::kIsBounded || !any); ++i) any |= test(i);
+  return any;
+}
+
 }  // namespace vdwmesh

@@ -173,13 +173,29 @@ template <class Memory>
 VDWMESH_HD typename PlaneTriangulationOf<Memory>::Sides PlaneTriangulationOf<Memory>::sides(
     const PlanePoint& p, std::uint32_t t, std::uint32_t from) {
   const LinkedTriangle& w = triangles_[t];
+  // A thread of a device tests all edges at once, as any_below() tests all caps.
+  int beyond_0 = 0, beyond_1 = 0, beyond_2 = 0;
+  if constexpr (Memory::kIsBounded) {
+    const PlanePoint &a = point(w.vertices[0]), &b = point(w.vertices[1]),
+                     &c = point(w.vertices[2]);
+    beyond_0 = filtered_orientation(errors_, b, c, p);
+    beyond_1 = filtered_orientation(errors_, c, a, p);
+    beyond_2 = filtered_orientation(errors_, a, b, p);
+  }
+  const auto side_of = [&](std::uint32_t k) {
+    if constexpr (Memory::kIsBounded) {
+      const int side = k == 0 ? beyond_0 : (k == 1 ? beyond_1 : beyond_2);
+      return side != 0 ? side : memory_.undecided_orientation(p, p, p);
+    } else {
+      return orientation_of_point(w.vertices[corner_after(k)], w.vertices[corner_before(k)], p);
+    }
+  };
   // Always beginning with the same corner, walks could go in circles, since the triangulation is
   // not Delaunay across pieces.
   std::uint32_t k = turn_ = corner_after(turn_), on = 0;
   for (int i = 0; i < 3; ++i, k = corner_after(k)) {
     if (w.neighbors[k] == from && from != kNoNeighbor) continue;
-    const int side =
-        orientation_of_point(w.vertices[corner_after(k)], w.vertices[corner_before(k)], p);
+    const int side = side_of(k);
     if (side < 0) return {k, 0};
     if (side == 0) on |= 1u << k;
   }

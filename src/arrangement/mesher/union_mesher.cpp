@@ -14,9 +14,8 @@
 // balls. If all of them have arranged all balls, all split the pieces that any of them wants split.
 // If each has arranged its part (OwnedPart), those on both sides of a border do (mesh_borders.hpp).
 //
-// If curves nearly coincide, splitting might never end. Three limits end it with CurvesTooClose: on
-// the number of rounds, on the number of pieces, and on how straight a piece to be split may be
-// (split_limits.hpp).
+// If curves nearly coincide, splitting might never end. Limits on the rounds, on the pieces, and on
+// how straight a piece to be split may be end it with CurvesTooClose (split_limits.hpp).
 #include "arrangement/mesher/union_mesher.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -93,6 +92,7 @@ class UnionMesher {
       stats_.below_min_angle_at_corners += patch.below.at_corners;
       stats_.below_min_angle += patch.below.elsewhere;
     }
+    if (options_.min_angle == 0) stats_.below_floor = team_.sum(angles_below_floor(patches_));
     UnnumberedPiece piece;
     team_.together([&] {
       sampling_.number_vertices();
@@ -117,11 +117,9 @@ class UnionMesher {
  private:
   // The pieces of all arcs here, or of those of the part.
   std::uint64_t count_pieces() const {
+    if (!borders_) return sampling_.all_pieces();
     const auto first = sampling_.pieces().begin();
-    const auto [begin, end] =
-        borders_ ? share_.arcs
-                 : MeshShare::Run{0, static_cast<std::uint32_t>(boundary_.arcs.size())};
-    return std::accumulate(first + begin, first + end, std::uint64_t{0});
+    return std::accumulate(first + share_.arcs.first, first + share_.arcs.second, std::uint64_t{0});
   }
   // How many pieces this process has, about.
   std::uint64_t own_pieces() const {
@@ -269,7 +267,7 @@ class UnionMesher {
     options.demand = demands.demand;
     options.stage = demands.stage;
     const ArcsOfPatch arcs{boundary_, sampling_, limits_, ball, t_.balls[ball].radius};
-    if (has_floors_) options.arcs = &arcs;
+    if (options_.min_angle == 0) options.arcs = &arcs;
     options.raises_angles = demands.raises_angles;
     PatchProgress& progress = up_to_date(ball);
     try {

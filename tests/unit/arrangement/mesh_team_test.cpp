@@ -8,6 +8,7 @@
 #include <barrier>
 #include <exception>
 #include <numeric>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -178,6 +179,7 @@ bool expect_same_by(std::size_t members, const SphereSet& spheres, double edge_l
     EXPECT_EQ(stats.pieces, one.stats.pieces);
     EXPECT_EQ(stats.split, one.stats.split);
     EXPECT_EQ(stats.exact_tests, one.stats.exact_tests);
+    EXPECT_EQ(stats.below_floor, one.stats.below_floor);
     EXPECT_EQ(stats.triangulated_balls, one.stats.triangulated_balls);
   }
   // Members that arrange all balls send each other no words.
@@ -203,9 +205,36 @@ TEST(MeshTeam, FloorsOfAngles) {
   }
 }
 
+// Sees how often the mesher begins with the boundaries anew after it has meshed patches.
+class RestartCounter final : public Monitor {
+ public:
+  void begin_stage(std::string_view name, std::uint64_t) override {
+    const bool is_boundary = name == "sample arcs";
+    restarts += is_boundary && has_meshed_;
+    has_meshed_ = !is_boundary;
+  }
+  void advance(std::uint64_t) override {}
+  bool cancelled() const override { return false; }
+
+  std::size_t restarts = 0;
+
+ private:
+  bool has_meshed_ = false;
+};
+
+// How often a mesh is given up for another one, with the usual feature sizes.
+std::size_t restarts(const SphereSet& spheres, double edge_length) {
+  RestartCounter counter;
+  const ExactMesh made = mesh_union(spheres, {.edge_length = edge_length, .monitor = &counter});
+  EXPECT_EQ(made.stats.arc_size, mesh_union(short_arc(0.1), {}).stats.arc_size);
+  return counter.restarts;
+}
+
 // Splits for the floors are given up, in all members alike, and the mesh is made without them.
 TEST(MeshTeam, FloorsThatAreGivenUp) {
   const SphereSet spheres = near_pencil();
+  EXPECT_EQ(restarts(spheres, 0.5), 1u);
+  EXPECT_EQ(restarts(short_arc(1e-5), 0.5), 0u);
   for (const std::size_t members : {2u, 3u, 4u}) {
     EXPECT_TRUE(expect_same_by(members, spheres, 0.5));
   }
