@@ -36,6 +36,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -100,17 +101,31 @@ std::size_t usable_processors() {
   return static_cast<std::size_t>(CPU_COUNT(&processors));
 }
 
-// Seconds until all ranks have done the work. Collective.
-double seconds_of(const Ranks& ranks, const std::function<void()>& work) {
+double largest(const std::vector<double>& values) { return *std::ranges::max_element(values); }
+
+double mean(const std::vector<double>& values) {
+  return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
+}
+
+// Seconds until all ranks have done the work, and those that the ranks do not wait: their mean, and
+// the most of one.
+struct RankSeconds {
+  double all = 0, mean = 0, most = 0;
+};
+
+// Collective.
+RankSeconds seconds_of(const Ranks& ranks, const std::function<void()>& work) {
   using Clock = std::chrono::steady_clock;
   ranks.sum(std::uint64_t{0});
   const Clock::time_point begin = Clock::now();
+  const double before = ranks.seconds_of_work();
   work();
+  const double own = ranks.seconds_of_work() - before;
   ranks.sum(std::uint64_t{0});
-  return std::chrono::duration<double>(Clock::now() - begin).count();
+  const double all = std::chrono::duration<double>(Clock::now() - begin).count();
+  const std::vector<double> each = ranks.of_all(own);
+  return {all, mean(each), largest(each)};
 }
-
-double largest(const std::vector<double>& values) { return *std::ranges::max_element(values); }
 
 // A line of /proc/self/status in MiB; 0 if there is none.
 double status_mib(std::string_view key) {
@@ -250,10 +265,11 @@ class Bench {
     if (wanted.topology == TopologyRequest::none) wanted.backend = arguments_.backend;
     for (int repeat = 0; repeat < arguments_.repeats; ++repeat) {
       UnionTogether result;
-      const double seconds =
+      const RankSeconds seconds =
           seconds_of(ranks_, [&] { result = union_together(ranks_, spheres_, wanted); });
-      say("exact {:.3f} s{}: area {:.17g} volume {:.17g}\n", seconds,
-          result.backend == Backend::cuda ? " on devices" : "", result.area, result.volume);
+      say("exact {:.3f} s{} (work {:.3f}, at most {:.3f}): area {:.17g} volume {:.17g}\n",
+          seconds.all, result.backend == Backend::cuda ? " on devices" : "", seconds.mean,
+          seconds.most, result.area, result.volume);
     }
     say_memory();
   }
@@ -272,14 +288,14 @@ class Bench {
       }
       IndexedMesh memory;
       if (piece_) memory = std::move(piece_->mesh);
-      const double seconds = seconds_of(ranks_, [&] {
+      const RankSeconds seconds = seconds_of(ranks_, [&] {
         piece_.emplace(
             mesh_together(ranks_, spheres_, options(), arguments_.backend, std::move(memory)));
       });
       const ExtractStats& stats = piece_->stats;
-      say("mesh {:.3f} s: {} vertices, {} triangles; at most {:.3f} field, {:.3f} extract, {:.3f} "
-          "download; {} slabs {}\n",
-          seconds, piece_->whole.vertices, piece_->whole.triangles,
+      say("mesh {:.3f} s (work {:.3f}, at most {:.3f}): {} vertices, {} triangles; at most {:.3f} "
+          "field, {:.3f} extract, {:.3f} download; {} slabs {}\n",
+          seconds.all, seconds.mean, seconds.most, piece_->whole.vertices, piece_->whole.triangles,
           largest(ranks_.of_all(stats.field_seconds)),
           largest(ranks_.of_all(stats.extract_seconds)),
           largest(ranks_.of_all(stats.download_seconds)), stats.slabs, piece_->fallback);
@@ -299,7 +315,7 @@ class Bench {
     ExtractOptions wanted = options();
     wanted.devices = arguments_.devices;
     const double seconds =
-        seconds_of(ranks_, [&] { extractor->extract_into(extracted_, spheres_, wanted); });
+        seconds_of(ranks_, [&] { extractor->extract_into(extracted_, spheres_, wanted); }).all;
     say("extract {:.3f} s on {} devices: {} vertices, {} triangles; {:.3f} field, {:.3f} extract, "
         "{:.3f} download; {} slabs {}\n",
         seconds, arguments_.devices, extracted_.mesh.vertex_count(),
@@ -315,7 +331,9 @@ class Bench {
     piece_.reset();
     const bool is_alone = ranks_.count() == 1;
     const auto stage = [&](const char* name, const std::function<void()>& work) {
-      say("  {:<10} {:.3f} s\n", name, seconds_of(ranks_, work));
+      const RankSeconds seconds = seconds_of(ranks_, work);
+      say("  {:<10} {:.3f} s (work {:.3f}, at most {:.3f})\n", name, seconds.all, seconds.mean,
+          seconds.most);
     };
     ExtractOptions wanted = options();
     FieldModel model;
@@ -334,9 +352,9 @@ class Bench {
     stage("count", [&] {
       const SphereSet chosen =
           SphereSet::view(is_alone ? spheres_.spheres() : std::span<const Sphere>(near.spheres));
-      part = count_together(ranks_, chosen, begins, halo, wanted, arguments_.backend);
+      part = count_together(ranks_, chosen, near.ids, begins, halo, wanted, arguments_.backend);
     });
-    stage("emit", [&] { part->emit({}, made); });
+    stage("emit", [&] { ranks_.together([&] { part->emit({}, made); }); });
   }
 
   Tally tally_of_whole() const {
@@ -388,10 +406,10 @@ class Bench {
   void check() {
     if (!piece_) piece_.emplace(mesh_together(ranks_, spheres_, options(), arguments_.backend));
     Tally whole, copies;
-    const double first = seconds_of(ranks_, [&] { whole = tally_of_whole(); });
+    const double first = seconds_of(ranks_, [&] { whole = tally_of_whole(); }).all;
     say_tally("the whole", first, whole);
     piece_.reset();
-    const double second = seconds_of(ranks_, [&] { copies = tally_of_copies(); });
+    const double second = seconds_of(ranks_, [&] { copies = tally_of_copies(); }).all;
     say_tally("the copies", second, copies);
     const bool equal = whole.edges == 0 && copies.edges == 0 && whole.vertices == copies.vertices &&
                        whole.triangles == copies.triangles &&

@@ -37,13 +37,16 @@ function(vdwmesh_target_warnings target)
 endfunction()
 
 # For what is compiled to be run once: VDWMESH_QUICK_BUILD in place of the build type's optimisation, and
-# sources joined.
+# sources joined. Fuzzers have none of it: it does without what guides them, a call at every comparison.
 #
 #   vdwmesh_build_quickly(<target> [<sources apart>])
 function(vdwmesh_build_quickly target)
   if(VDWMESH_QUICK_BUILD)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${VDWMESH_QUICK_BUILD}>)
     vdwmesh_join_sources(${target} ${ARGN})
+  endif()
+  if(VDWMESH_FUZZ)
+    target_compile_options(${target} PRIVATE -fno-sanitize=fuzzer-no-link)
   endif()
 endfunction()
 

@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "cuda/count_part.hpp"
 #include "cuda/cuda_backend.hpp"
+#include "extract/part_without_halo.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -117,12 +119,7 @@ class AutomaticExtractor final : public Extractor {
   }
   std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                      const ExtractOptions& options) const override {
-    std::unique_ptr<SurfacePart> part;
-    const std::string fallback = with_fallback(
-        "meshed", [&] { part = make_cuda_extractor()->count(spheres, range, options); },
-        [&] { part = make_cpu_extractor()->count(spheres, range, options); });
-    part->fallback = fallback;
-    return part;
+    return count_part(Backend::automatic, spheres, {}, range, options);
   }
 };
 
@@ -311,6 +308,19 @@ std::unique_ptr<Extractor> make_extractor(Backend backend) {
   if (resolve(backend) == Backend::cpu) return make_cpu_extractor();
   if (backend == Backend::cuda) return make_cuda_extractor();
   return std::make_unique<AutomaticExtractor>();
+}
+
+std::unique_ptr<SurfacePart> count_part(Backend backend, const SphereSet& spheres,
+                                        std::span<const SphereId> ids, const KeyRange& range,
+                                        const ExtractOptions& options) {
+  if (resolve(backend) == Backend::cpu) return count_part_on_cpu(spheres, ids, range, options);
+  if (backend == Backend::cuda) return count_part_on_cuda(spheres, ids, range, options);
+  std::unique_ptr<SurfacePart> part;
+  const std::string fallback = with_fallback(
+      "meshed", [&] { part = count_part_on_cuda(spheres, ids, range, options); },
+      [&] { part = count_part_on_cpu(spheres, ids, range, options); });
+  part->fallback = fallback;
+  return part;
 }
 
 std::unique_ptr<BatchExtractor> make_batch_extractor(Backend backend) {

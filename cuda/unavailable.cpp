@@ -1,6 +1,7 @@
 // The functions of cuda_backend.hpp and on_device.hpp in a build without a CUDA compiler: there are
 // no devices, and nothing can be made.
 #include "core/errors.hpp"
+#include "cuda/count_part.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/on_device.hpp"
 
@@ -15,6 +16,10 @@ DeviceList find_cuda_devices() { return {{}, kReason}; }
 void share_cuda_devices(std::size_t) {}
 void release_cuda_memory() {}
 std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kReason); }
+std::unique_ptr<SurfacePart> count_part_on_cuda(const SphereSet&, std::span<const SphereId>,
+                                                const KeyRange&, const ExtractOptions&) {
+  throw BackendUnavailable(kReason);
+}
 std::unique_ptr<BatchExtractor> make_cuda_batch_extractor() { throw BackendUnavailable(kReason); }
 std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }
 std::unique_ptr<FieldMesher> make_cuda_field_mesher() { throw BackendUnavailable(kReason); }

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "cuda/count_part.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/extract/field_source.cuh"
 #include "cuda/memory/device.cuh"
+#include "cuda/memory/launch.cuh"
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
 #include "cuda/spheres/device_frames.cuh"
@@ -33,23 +36,38 @@ void make_checked_room(const MeshSize& size, LabelWidth width, double spacing,
   make_room(mesh, size, arrays);
 }
 
+constexpr unsigned kThreads = 256;
+
+// use_ids() of spheres/list_ids.hpp. A thread for each list place.
+__global__ void use_ids_on_device(CellListView list, const SphereId* ids, SphereId* made) {
+  const std::uint32_t place = blockIdx.x * blockDim.x + threadIdx.x;
+  if (place < list.size) made[place] = ids[list.id[ListPlace{place}]];
+}
+
 // Extracts a surface on one device: uploads the spheres, counts the bricks of a range, and emits a
 // share of them. Different threads may call its functions, one after the other. CUDA keeps a
 // current device for each thread, so each function first makes the worker's device current.
 class SphereWorker {
  public:
-  // `sharers` is the number of workers on this device; they share its memory. The other arguments
-  // must outlive the worker.
-  SphereWorker(int device, std::size_t sharers, const ListToUpload& list, const FieldModel& model,
+  // `sharers` is the number of workers on this device; they share its memory. `ids` are what labels
+  // call the spheres; if there are none, their indices. The other arguments must outlive the
+  // worker; ids need not once it has counted.
+  SphereWorker(int device, std::size_t sharers, const ListToUpload& list,
+               std::span<const SphereId> ids, const FieldModel& model,
                const ExtractOptions& options)
-      : device_(device), sharers_(sharers), list_(list), model_(model), options_(options) {}
+      : device_(device),
+        sharers_(sharers),
+        list_(list),
+        ids_(ids),
+        model_(model),
+        options_(options) {}
 
   // Counts the bricks of a range; KeyRange{} is the whole surface.
   void count(const KeyRange& own) {
     use_device(device_);
     stream_.emplace();
     device_list_.emplace(upload_list(list_, model_, *stream_));
-    source_.emplace(device_list_->view(), model_, *stream_);
+    source_.emplace(list_with_ids(), model_, *stream_);
     mesher_.emplace(*source_, options_, sharers_);
     mesher_->count(own);
   }
@@ -67,13 +85,27 @@ class SphereWorker {
   ExtractStats stats() const { return mesher_->stats(); }
 
  private:
+  CellListView list_with_ids() {
+    CellListView list = device_list_->view();
+    if (ids_.empty()) return list;
+    const DeviceArray<SphereId> ids(ids_.size(), stream_->get());
+    upload_parts({{ids.data(), ids_.data(), ids.bytes()}}, *stream_);
+    list_ids_ = DeviceArray<SphereId>(list.size, stream_->get());
+    launch("use_ids", use_ids_on_device, over(list.size, kThreads), *stream_, list, ids.data(),
+           list_ids_.data());
+    list.id = list_ids_.data();
+    return list;
+  }
+
   int device_;
   std::size_t sharers_;
   const ListToUpload& list_;
+  std::span<const SphereId> ids_;
   const FieldModel& model_;
   const ExtractOptions& options_;
   std::optional<Stream> stream_;
   std::optional<DeviceCellList> device_list_;
+  DeviceArray<SphereId> list_ids_;  // by list place, if ids were given
   std::optional<SphereSource> source_;
   std::optional<DeviceBrickMesher> mesher_;
 };
@@ -106,14 +138,15 @@ ExtractStats joined_stats(const std::vector<std::unique_ptr<SphereWorker>>& work
 // The range of bricks that one process extracts, on its current device if that is usable.
 class CudaSurfacePart final : public SurfacePart {
  public:
-  CudaSurfacePart(const SphereSet& spheres, const KeyRange& range, const ExtractOptions& options)
+  CudaSurfacePart(const SphereSet& spheres, std::span<const SphereId> ids, const KeyRange& range,
+                  const ExtractOptions& options)
       : options_(options),
         workspace_(options.workspace),
         model_(make_field_model(options.field, make_grid(spheres, options.grid))),
         list_(prepare_list(spheres, model_, options.frame, workspace_)) {
     const DeviceScope scope;
     // The only worker on the device.
-    worker_.emplace(devices_from_current()[0], 1, list_, model_, options_);
+    worker_.emplace(devices_from_current()[0], 1, list_, ids, model_, options_);
     begin_stage(options_.monitor, "field", 1);
     worker_->count(range);
     advance(options_.monitor, 1);
@@ -158,8 +191,8 @@ class CudaExtractor final : public Extractor {
     const std::size_t sharers = (shares + present.size() - 1) / present.size();
     std::vector<std::unique_ptr<SphereWorker>> workers;
     for (std::size_t k = 0; k < shares; ++k) {
-      workers.push_back(std::make_unique<SphereWorker>(present[k % present.size()], sharers, list,
-                                                       model, options));
+      workers.push_back(std::make_unique<SphereWorker>(
+          present[k % present.size()], sharers, list, std::span<const SphereId>(), model, options));
     }
     begin_stage(options.monitor, "field", 1);
     run_on_threads(shares, [&](std::size_t k) { workers[k]->count({}); });
@@ -174,7 +207,7 @@ class CudaExtractor final : public Extractor {
 
   std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                      const ExtractOptions& options) const override {
-    return std::make_unique<CudaSurfacePart>(spheres, range, options);
+    return count_part_on_cuda(spheres, {}, range, options);
   }
 };
 
@@ -251,6 +284,13 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
 DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
                                       const Stream& stream) {
   return mesh_on_device(FieldSource(field, options, stream), field.grid.spacing, options);
+}
+
+std::unique_ptr<SurfacePart> count_part_on_cuda(const SphereSet& spheres,
+                                                std::span<const SphereId> ids,
+                                                const KeyRange& range,
+                                                const ExtractOptions& options) {
+  return std::make_unique<CudaSurfacePart>(spheres, ids, range, options);
 }
 
 std::unique_ptr<Extractor> make_cuda_extractor() { return std::make_unique<CudaExtractor>(); }

@@ -2,6 +2,10 @@
 // common counter. Each thread has a "lane": a stream and two page-locked buffers. The device fills
 // or reads one buffer while the thread copies between the other and the caller's memory. The lanes
 // are kept for later transfers, because locking their pages takes as long as a small transfer.
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -20,6 +24,43 @@ namespace {
 constexpr std::size_t kChunk = std::size_t{2} << 20;
 constexpr std::size_t kChunksPerThread = 3;  // a thread with fewer chunks does not pay
 constexpr unsigned kMostThreads = 16;
+
+// A transfer of so many bytes is more than caches hold, 300 MB in all on the largest hosts
+// measured.
+constexpr std::size_t kBeyondCaches = std::size_t{512} << 20;
+
+// Where a copy on the host stores: a usual store first reads the line of memory that it writes, and
+// leaves it in the caches for who reads it next. A store past the caches does neither. Where two
+// devices download at once, the memory of the host is what bounds them (docs/scale.md).
+enum class Stores { usual, past_caches };
+
+#ifdef __SSE2__
+void copy_past_caches(void* to, const void* from, std::size_t bytes) {
+  constexpr std::size_t kLine = 64, kWord = sizeof(__m128i);
+  auto* out = static_cast<std::byte*>(to);
+  const auto* in = static_cast<const std::byte*>(from);
+  const std::size_t before = (kLine - reinterpret_cast<std::uintptr_t>(out) % kLine) % kLine;
+  const std::size_t head = std::min(before, bytes), lines = (bytes - head) / kLine;
+  std::memcpy(out, in, head);
+  out += head;
+  in += head;
+  for (std::size_t line = 0; line < lines; ++line, out += kLine, in += kLine) {
+    __m128i words[kLine / kWord];
+    for (std::size_t i = 0; i < kLine / kWord; ++i) {
+      words[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(in + i * kWord));
+    }
+    for (std::size_t i = 0; i < kLine / kWord; ++i) {
+      _mm_stream_si128(reinterpret_cast<__m128i*>(out + i * kWord), words[i]);
+    }
+  }
+  std::memcpy(out, in, bytes - head - lines * kLine);
+  _mm_sfence();  // other threads see these stores before what this one does next
+}
+#else
+void copy_past_caches(void* to, const void* from, std::size_t bytes) {
+  std::memcpy(to, from, bytes);
+}
+#endif
 
 void* at_offset(void* memory, std::size_t bytes) { return static_cast<std::byte*>(memory) + bytes; }
 const void* at_offset(const void* memory, std::size_t bytes) {
@@ -51,11 +92,11 @@ class StagingLane {
  public:
   // Both functions copy chunks until none is left. `next` is the index of the next chunk that no
   // thread has taken; all threads share it. The stream first waits for `ready`, after which the
-  // device memory may be used.
+  // device memory may be used. Uploads fill buffers, by usual stores.
 
   // `filling` is the chunk on its way from the device to buffers_[side].
   void work(const std::vector<DownloadPart>& chunks, std::atomic<std::size_t>& next,
-            cudaEvent_t ready) {
+            cudaEvent_t ready, Stores stores) {
     check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "download");
     std::size_t filling = next++;
     int side = 0;
@@ -65,14 +106,18 @@ class StagingLane {
       const DownloadPart& filled = chunks[filling];
       filling = next++;
       if (filling < chunks.size()) fill(chunks[filling], 1 - side);
-      std::memcpy(filled.host, buffers_[side].data(), filled.bytes);
+      if (stores == Stores::past_caches) {
+        copy_past_caches(filled.host, buffers_[side].data(), filled.bytes);
+      } else {
+        std::memcpy(filled.host, buffers_[side].data(), filled.bytes);
+      }
       side = 1 - side;
     }
   }
 
   // sent_[side] has passed when the device has read buffers_[side].
   void work(const std::vector<UploadPart>& chunks, std::atomic<std::size_t>& next,
-            cudaEvent_t ready) {
+            cudaEvent_t ready, Stores) {
     check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "upload");
     int side = 0;
     for (std::size_t i = next++; i < chunks.size(); i = next++) {
@@ -109,10 +154,13 @@ class Staging {
     const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
     const std::size_t threads = std::clamp<std::size_t>(chunks.size() / kChunksPerThread, 1, cores);
     while (lanes_.size() < threads) lanes_.push_back(std::make_unique<StagingLane>());
+    std::size_t bytes = 0;
+    for (const Part& chunk : chunks) bytes += chunk.bytes;
+    const Stores stores = bytes < kBeyondCaches ? Stores::usual : Stores::past_caches;
     std::atomic<std::size_t> next{0};
     run_on_threads(threads, [&](std::size_t i) {
       check_cuda(cudaSetDevice(device), "device");
-      lanes_[i]->work(chunks, next, ready);
+      lanes_[i]->work(chunks, next, ready, stores);
     });
   }
 

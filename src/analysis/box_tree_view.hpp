@@ -178,12 +178,13 @@ struct NearLanes {
 };
 
 // Calls visit(i, squared) for at least all primitives i of a node of level 0, given by its index,
-// whose box is nearer to the query than √squared (Å). visit may lower `squared`.
-template <class Visit>
+// whose box is nearer to the query than √squared (Å). visit may lower `squared`. Near is NearLanes,
+// or what computes the same.
+template <class Near = NearLanes, class Visit>
 VDWMESH_HD inline void visit_primitives(const BoxTreeView& tree, std::uint32_t index,
                                         const BoxQuery& query, double& squared, Visit&& visit) {
   float bound = tree.bound_of(squared);
-  NearLanes lanes(tree.levels[0][index], query, bound);
+  Near lanes(tree.levels[0][index], query, bound);
   for (; lanes.near != 0; lanes.near &= lanes.near - 1) {
     const int lane = lowest_bit(lanes.near);
     if (!(lanes.distance[lane] < bound)) continue;
@@ -199,7 +200,7 @@ inline constexpr int kBoxStack = BoxTreeView::kMaxLevels * BoxNode::kWidth + 1;
 // √squared (Å), near boxes first. visit lowers `squared` if primitive i is nearer, and makes it
 // negative to end the search. Depth-first branch and bound: the entries of a node are inserted such
 // that the nearest one is on top of the stack.
-template <class Visit>
+template <class Near = NearLanes, class Visit>
 VDWMESH_HD inline void visit_nearest(const BoxTreeView& tree, const BoxQuery& query,
                                      double& squared, Visit&& visit) {
   BoxEntry stack[kBoxStack];
@@ -209,11 +210,11 @@ VDWMESH_HD inline void visit_nearest(const BoxTreeView& tree, const BoxQuery& qu
     const BoxEntry entry = stack[--size];
     if (!(entry.distance < bound)) continue;
     if (entry.level == 0) {
-      visit_primitives(tree, entry.index, query, squared, visit);
+      visit_primitives<Near>(tree, entry.index, query, squared, visit);
       bound = tree.bound_of(squared);
       continue;
     }
-    NearLanes lanes(tree.levels[entry.level][entry.index], query, bound);
+    Near lanes(tree.levels[entry.level][entry.index], query, bound);
     const int from = size;
     for (; lanes.near != 0; lanes.near &= lanes.near - 1) {
       const int lane = lowest_bit(lanes.near);
@@ -230,7 +231,7 @@ VDWMESH_HD inline void visit_nearest(const BoxTreeView& tree, const BoxQuery& qu
 
 // Calls take(index) for the nodes of level 0 whose boxes are nearer to the query than √squared (Å),
 // in no particular order, until one call returns false. Returns whether none did.
-template <class Take>
+template <class Near = NearLanes, class Take>
 VDWMESH_HD inline bool for_each_near_leaf(const BoxTreeView& tree, const BoxQuery& query,
                                           double squared, Take&& take) {
   BoxEntry stack[kBoxStack];
@@ -242,7 +243,7 @@ VDWMESH_HD inline bool for_each_near_leaf(const BoxTreeView& tree, const BoxQuer
       if (!take(entry.index)) return false;
       continue;
     }
-    NearLanes lanes(tree.levels[entry.level][entry.index], query, bound);
+    Near lanes(tree.levels[entry.level][entry.index], query, bound);
     for (; lanes.near != 0; lanes.near &= lanes.near - 1) {
       const auto lane = static_cast<std::uint32_t>(lowest_bit(lanes.near));
       stack[size++] = {lanes.distance[lane], entry.level - 1, BoxNode::kWidth * entry.index + lane};

@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "core/fixed_blocks.hpp"
+#include "core/lane_masks.hpp"
 #include "core/multiversion.hpp"
 
 namespace vdwmesh {
@@ -27,44 +28,55 @@ bool is_inside(const Brackets::Interval& interval, double value) {
   return interval.lower <= value && value <= interval.upper;
 }
 
-// Adds one block to all members of a summary but the sum. Minimum and maximum have four independent
-// accumulators (lanes): in a single one every value would have to wait for the one before it.
-VDWMESH_MULTIVERSION void survey_block(ValueSummary& summary, const Brackets& brackets,
-                                       std::span<const double> values) {
-  std::array<double, 4> min, max;
-  min.fill(summary.min), max.fill(summary.max);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::size_t lane = i % min.size();
-    min[lane] = std::min(min[lane], values[i]);
-    max[lane] = std::max(max[lane], values[i]);
+// Adds one block to all members of a summary but the sum, and copies the values that are in one of
+// the intervals to `kept`, which has room for all. Returns their number. Four values are looked at
+// together. What is left over at the end is filled up with NaN, of which every comparison is false:
+// it is neither counted nor kept. An interval that does not exist is like the first one.
+VDWMESH_MULTIVERSION std::size_t survey_block(ValueSummary& summary, const Brackets& brackets,
+                                              std::span<const double> values, double* kept) {
+  constexpr std::size_t kIntervals = kPercentiles.size();
+  Lanes lower[kIntervals], upper[kIntervals];
+  LaneBits below[kIntervals];  // minus the number of values, since true is -1 in a lane
+  for (std::size_t k = 0; k < kIntervals; ++k) {
+    const Brackets::Interval& interval = brackets.intervals[k < brackets.count ? k : 0];
+    lower[k] = all_lanes(interval.lower);
+    upper[k] = all_lanes(interval.upper);
+    below[k] = all_bits(0);
   }
-  summary.min = *std::min_element(min.begin(), min.end());
-  summary.max = *std::max_element(max.begin(), max.end());
-  summary.count += values.size();
-  for (std::size_t i = 0; i < brackets.count; ++i) {
-    const double lower = brackets.intervals[i].lower;
-    std::uint64_t below = 0;
-    for (const double value : values) below += value < lower;
-    summary.below[i] += below;
-  }
-}
-
-// Copies the values that are in one of the intervals to `kept`, which has room for all, and returns
-// their number. Every value is written, and the place moves on behind those to be kept, so that no
-// branch depends on a value. An interval that does not exist is like the first one.
-VDWMESH_MULTIVERSION std::size_t keep_inside(const Brackets& brackets,
-                                             std::span<const double> values, double* kept) {
-  std::array<Brackets::Interval, kPercentiles.size()> intervals;
-  for (std::size_t i = 0; i < intervals.size(); ++i)
-    intervals[i] = brackets.intervals[i < brackets.count ? i : 0];
+  Lanes least = all_lanes(summary.min), most = all_lanes(summary.max);
   std::size_t count = 0;
-  for (const double value : values) {
-    kept[count] = value;
-    bool in = false;
-    for (const Brackets::Interval& interval : intervals)
-      in |= (interval.lower <= value) & (value <= interval.upper);
-    count += in;
+  const auto look_at = [&](const double* four) {
+    const Lanes x = lanes_at(four);
+    least = x < least ? x : least;
+    most = x > most ? x : most;
+    LaneBits inside = all_bits(0);
+    for (std::size_t k = 0; k < kIntervals; ++k) {
+      below[k] += x < lower[k];
+      inside |= (x >= lower[k]) & (x <= upper[k]);
+    }
+    const std::uint32_t in = bits_of(inside);
+    if (in == 0) return;
+    // Every value is written, and the place moves on behind those to be kept.
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      kept[count] = four[lane];
+      count += in >> lane & 1;
+    }
+  };
+  const std::size_t whole = values.size() / kLanes * kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) look_at(&values[i]);
+  if (whole < values.size()) {
+    double last[kLanes];
+    std::fill(last, last + kLanes, std::numeric_limits<double>::quiet_NaN());
+    std::copy(values.begin() + static_cast<std::ptrdiff_t>(whole), values.end(), last);
+    look_at(last);
   }
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    summary.min = std::min(summary.min, least[lane]);
+    summary.max = std::max(summary.max, most[lane]);
+    for (std::size_t k = 0; k < brackets.count; ++k)
+      summary.below[k] += static_cast<std::uint64_t>(-below[k][lane]);
+  }
+  summary.count += values.size();
   return count;
 }
 
@@ -115,9 +127,9 @@ Brackets brackets_from_sample(std::vector<double> sample) {
 void BracketedValues::add(std::span<const double> block) {
   OfThread& mine = threads_.local();
   mine.summary.sum.add(block);
-  survey_block(mine.summary, brackets_, block);
-  mine.kept.resize(std::max(mine.kept.size(), block.size()));
-  const std::size_t kept = keep_inside(brackets_, block, mine.kept.data());
+  // Values of which the last four are not all kept are written beyond the last kept one.
+  mine.kept.resize(std::max(mine.kept.size(), block.size() + kLanes));
+  const std::size_t kept = survey_block(mine.summary, brackets_, block, mine.kept.data());
   for (const double value : std::span(mine.kept).first(kept)) {
     std::size_t i = 0;
     while (!is_inside(brackets_.intervals[i], value)) ++i;

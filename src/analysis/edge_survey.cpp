@@ -10,12 +10,20 @@
 //  3. In all other cases union-find over triangles and over corners, on one thread, answers the
 //     same questions (join_across_edges()).
 //
+// A mesh that was made by dividing triangles is surveyed by way of the mesh that was divided
+// (analysis/divided_survey.hpp).
+//
 // A corner is one vertex of one triangle. Corner 3t + k is at vertex k of triangle t, where
 // half-edge 3t + k begins.
 #include "analysis/edge_survey.hpp"
 
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "analysis/divided_survey.hpp"
 #include "analysis/vertex_survey.hpp"
 #include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
@@ -35,37 +43,46 @@ std::uint32_t corner_at_larger(EdgeEntry e) {
   return e.descending() ? e.half_edge() : next_in_triangle(e.half_edge());
 }
 
-constexpr std::uint32_t kNoShell = 0xffffffffu;
+constexpr std::uint32_t kNoVertex = 0xffffffffu, kNoTriangle = 0xffffffffu;
+
+// Lowers a number that several threads lower to the least that one of them has.
+void lower_to(std::uint32_t& number, std::uint32_t value) {
+  const std::atomic_ref place(number);
+  std::uint32_t old = place.load(std::memory_order_relaxed);
+  while (value < old && !place.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
+  }
+}
 
 // Step 2. The shells of a closed manifold, whose connected vertices are `connected`. DisjointSets
 // keeps the smallest element of a set as its representative, so shell_of[t] first becomes the
 // smallest vertex of the shell. It is then replaced by a number, in the order of the shells' first
-// triangles. These are among the triangles of another shell than the one before; all such triangles
-// are found block by block.
+// triangles. These are among the triangles of another shell than the one before; the least of them
+// is written at the smallest vertex of its shell.
 void number_shells(const IndexedMesh& mesh, DisjointSets connected, EdgeSurvey& survey) {
   const std::size_t triangles = mesh.triangle_count();
-  std::vector<std::vector<std::uint32_t>> starts(block_count(triangles, kIndicesPerBlock));
+  // By vertex. Only the elements of vertices that stand for a set are ever touched.
+  Buffer<std::uint32_t> first_of(mesh.vertex_count());
+  for_all(mesh.vertex_count(), [&](std::size_t v) {
+    if (connected.find(static_cast<std::uint32_t>(v)) == v) first_of[v] = kNoTriangle;
+  });
   resize_untouched(survey.shell_of, triangles);
-  for_each_block(triangles, kIndicesPerBlock,
-                 [&](std::size_t block, std::size_t first, std::size_t end) {
-                   std::uint32_t last = kNoShell;
-                   for (std::size_t t = first; t < end; ++t) {
-                     const std::uint32_t vertex = connected.find(mesh.triangles[t][0]);
-                     if (vertex != last) starts[block].push_back(vertex);
-                     survey.shell_of[t] = last = vertex;
-                   }
-                 });
-  // By vertex. Only the elements of vertices that stand for a shell are ever touched.
-  Buffer<std::uint32_t> number(mesh.vertex_count());
-  for (const auto& of_block : starts) {
-    for (const std::uint32_t vertex : of_block) number[vertex] = kNoShell;
-  }
-  survey.shells = 0;
-  for (const auto& of_block : starts) {
-    for (const std::uint32_t vertex : of_block) {
-      if (number[vertex] == kNoShell) number[vertex] = survey.shells++;
+  for_each_block(triangles, kIndicesPerBlock, [&](std::size_t, std::size_t first, std::size_t end) {
+    std::uint32_t last = kNoVertex;
+    for (std::size_t t = first; t < end; ++t) {
+      const std::uint32_t vertex = connected.find(mesh.triangles[t][0]);
+      if (vertex != last) lower_to(first_of[vertex], static_cast<std::uint32_t>(t));
+      survey.shell_of[t] = last = vertex;
     }
-  }
+  });
+  // The representatives of all sets with a triangle, in the order of their first triangles.
+  auto shells = collect<std::uint32_t>(mesh.vertex_count(), [&](std::size_t v, auto& found) {
+    const auto vertex = static_cast<std::uint32_t>(v);
+    if (connected.find(vertex) == vertex && first_of[v] != kNoTriangle) found.push_back(vertex);
+  });
+  std::ranges::sort(shells, {}, [&](std::uint32_t v) { return first_of[v]; });
+  survey.shells = static_cast<std::uint32_t>(shells.size());
+  Buffer<std::uint32_t>& number = first_of;
+  for (std::uint32_t i = 0; i < survey.shells; ++i) number[shells[i]] = i;
   for_all(triangles, [&](std::size_t t) { survey.shell_of[t] = number[survey.shell_of[t]]; });
 }
 
@@ -92,6 +109,9 @@ void join_across_edges(const IndexedMesh& mesh, bool at_most_two_sides, EdgeSurv
 }  // namespace
 
 EdgeSurvey survey_edges(const IndexedMesh& mesh, BracketedValues* edge_lengths) {
+  if (std::optional<EdgeSurvey> divided = survey_divided(mesh, edge_lengths)) {
+    return *std::move(divided);
+  }
   DisjointSets connected(mesh.vertex_count());
   const PartSurvey part = survey_part(whole(mesh), {edge_lengths, &connected});
   EdgeSurvey survey{part.closed, part.manifold, part.oriented, part.edges, part.used_vertices, 0,

@@ -195,11 +195,11 @@ void FacetTree::make_bottom(const IndexedMesh& mesh) {
   for_all(nodes.size(), [&](std::size_t n) {
     for (std::size_t child = 0; child < kWidth; ++child) {
       const std::size_t first = kLeaf * (kWidth * n + child);
-      Box box = empty_box();
+      LaneBox around;
       for (std::size_t i = first; i < std::min(first + kLeaf, order_.size()); ++i) {
-        include(box, box_of(mesh, order_[i]));
+        around.include(mesh, order_[i]);
       }
-      nodes[n].set(child, box);
+      nodes[n].set(child, around.box());
     }
   });
   levels_.push_back(std::move(nodes));

@@ -11,12 +11,19 @@
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/multiversion.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kPerBlock = kTrianglesPerAreaBlock;
+
+// Writes the areas of the triangles [first, end).
+VDWMESH_MULTIVERSION void fill_areas(const IndexedMesh& mesh, std::size_t first, std::size_t end,
+                                     double* areas) {
+  for (std::size_t t = first; t < end; ++t) areas[t - first] = area_of(corners_of(mesh, t));
+}
 
 }  // namespace
 
@@ -37,7 +44,9 @@ MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
   const std::size_t count = mesh.triangle_count();
   std::vector<double> sums(block_count(count, kPerBlock));
   for_each_block(count, kPerBlock, [&](std::size_t block, std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) sums[block] += area_of(corners_of(mesh, t));
+    std::array<double, kPerBlock> areas;
+    fill_areas(mesh, first, last, areas.data());
+    for (std::size_t i = 0; i < last - first; ++i) sums[block] += areas[i];
   });
   starts_ = area_block_starts(sums);
 }
@@ -54,9 +63,13 @@ MeshArea::Cursor::Cursor(const MeshArea& area, double place) : area_(area) {
 // the current triangle. Its subinterval begins at the stored prefix sum if a block begins there,
 // and otherwise at the end of the previous subinterval; it is the same wherever the cursor started.
 void MeshArea::Cursor::enter(std::size_t triangle) {
-  const std::size_t block = triangle / kPerBlock;
-  begin_ = triangle % kPerBlock == 0 ? area_.starts_[block] : end_;
-  end_ = end_of_area(begin_, area_of(corners_of(area_.mesh_, triangle)), area_.starts_[block + 1]);
+  const std::size_t block = triangle / kPerBlock, place = triangle % kPerBlock;
+  if (place == 0) {
+    fill_areas(area_.mesh_, triangle, std::min(triangle + kPerBlock, area_.mesh_.triangle_count()),
+               areas_.data());
+  }
+  begin_ = place == 0 ? area_.starts_[block] : end_;
+  end_ = end_of_area(begin_, areas_[place], area_.starts_[block + 1]);
   triangle_ = triangle;
 }
 

@@ -3,6 +3,7 @@
 // interval are then spread evenly over the mesh. A position is a number of this interval.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -70,6 +71,7 @@ class MeshArea {
     const MeshArea& area_;
     std::size_t triangle_;
     double begin_ = 0, end_ = 0;  // the subinterval of the current triangle, Å²
+    std::array<double, kTrianglesPerAreaBlock> areas_;  // of its block, Å²
   };
 
  private:

@@ -22,6 +22,7 @@
 #include <limits>
 #include <vector>
 
+#include "analysis/box_tree_lanes.hpp"
 #include "analysis/distances_triangle.hpp"
 #include "analysis/mesh_area.hpp"
 #include "analysis/triangle_runs.hpp"
@@ -44,7 +45,8 @@ class NodeList {
   bool gather(const BoxTreeView& tree, const Box& box, double reach) {
     count_ = 0;
     const auto take = [&](std::uint32_t index) { return add(tree.levels[0][index], index); };
-    if (!for_each_near_leaf(tree, tree.query(box.lower, box.upper), reach * reach, take)) {
+    if (!for_each_near_leaf<NearEight>(tree, tree.query(box.lower, box.upper), reach * reach,
+                                       take)) {
       return false;
     }
     fill_up();
@@ -58,7 +60,7 @@ class NodeList {
     const std::size_t first = measure(query);
     float bound = tree.bound_of(squared);
     const auto examine = [&](std::size_t i) {
-      visit_primitives(tree, index_[i], query, squared, visit);
+      visit_primitives<NearEight>(tree, index_[i], query, squared, visit);
       bound = tree.bound_of(squared);
     };
     if (distance_[first] < bound) examine(first);
@@ -161,7 +163,7 @@ class TriangleSearch {
     double squared = to_nearest(p);
     bool is_near = std::sqrt(squared) <= largest;
     if (is_near) return largest;
-    visit_nearest(tree_, tree_.query(p), squared, [&](std::uint32_t run, double& best) {
+    visit_nearest<NearEight>(tree_, tree_.query(p), squared, [&](std::uint32_t run, double& best) {
       if (!lower(run, p, best)) return;
       is_near = std::sqrt(best) <= largest;
       if (is_near) best = -1;
@@ -183,8 +185,8 @@ class TriangleSearch {
   }
   double in_tree(const Vec3d& p) {
     double squared = to_nearest(p);
-    visit_nearest(tree_, tree_.query(p), squared,
-                  [&](std::uint32_t run, double& best) { lower(run, p, best); });
+    visit_nearest<NearEight>(tree_, tree_.query(p), squared,
+                             [&](std::uint32_t run, double& best) { lower(run, p, best); });
     return squared;
   }
   double in_list(const Vec3d& p) {
@@ -217,6 +219,13 @@ VDWMESH_MULTIVERSION double raise_all(const TriangleRuns& runs, const BoxTreeVie
   return largest;
 }
 
+// The box around the triangles of a run.
+VDWMESH_MULTIVERSION Box box_of_run(const TriangleRuns& runs, std::uint32_t run) {
+  const std::size_t first = std::size_t{runs.length} * run;
+  return box_of_triangles(runs.mesh, first,
+                          std::min(first + runs.length, runs.mesh.triangle_count()));
+}
+
 // The indices of points along the Z-order curve in the cube around them. A key has the number of a
 // cell, of which there are 2^10 along each axis, and below it the index.
 std::vector<std::uint32_t> along_curve(std::span<const Vec3d> points) {
@@ -247,8 +256,7 @@ MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
       run_(static_cast<std::uint32_t>(triangles_together(mesh))),
       tree_(static_cast<std::uint32_t>((mesh.triangle_count() + run_ - 1) / run_), world,
             [&](std::uint32_t run) {
-              const std::size_t first = std::size_t{run_} * run;
-              return box_of_triangles(mesh, first, std::min(first + run_, mesh.triangle_count()));
+              return box_of_run({mesh, run_}, run);
             }) {}
 
 // The points are searched in their order along the Z-order curve, in which a group of them is in

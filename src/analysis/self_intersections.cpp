@@ -27,6 +27,7 @@
 #include "analysis/mesh_measures.hpp"
 #include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/lane_masks.hpp"
 #include "core/multiversion.hpp"
 #include "surface/star_fans.hpp"
 
@@ -79,22 +80,19 @@ class NodeStars {
   }
   // A mask of the leaves that share a star with the given one.
   VDWMESH_INLINE std::uint32_t shared(const LeafStars& leaf) const {
-    Masks found{};
+    EightMasks found{};
     for (const auto& lanes : star_) {
       Ids own;
       std::memcpy(&own, &lanes, sizeof own);
-      Masks equal{};
+      EightMasks equal{};
       for (const std::uint32_t star : leaf) equal |= own == Ids{} + star;
       found |= equal & (own != Ids{} + StarFans::kNone);
     }
-    std::uint32_t bits = 0;
-    for (std::size_t l = 0; l < kWidth; ++l) bits |= static_cast<std::uint32_t>(found[l] & 1) << l;
-    return bits;
+    return bits_of_eight(found);
   }
 
  private:
   using Ids = std::uint32_t __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
-  using Masks = std::int32_t __attribute__((vector_size(kWidth * sizeof(std::int32_t))));
   std::uint32_t star_[3][kWidth];
 };
 

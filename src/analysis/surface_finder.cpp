@@ -13,7 +13,9 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/box_tree_lanes.hpp"
 #include "analysis/exposed_surface.hpp"
+#include "core/lane_masks.hpp"
 #include "core/multiversion.hpp"
 #include "surface/box.hpp"
 
@@ -57,7 +59,8 @@ class Group {
       most = largest_gap();
       least = ++visits > kMostVisits ? -1 : bound_of_gap(most);
     };
-    visit_nearest(surface.tree, surface.tree.query(box_.lower, box_.upper), bound, visit);
+    visit_nearest<NearEight>(surface.tree, surface.tree.query(box_.lower, box_.upper), bound,
+                             visit);
     return visits <= kMostVisits;
   }
 
@@ -143,25 +146,24 @@ class RecentPatches {
     const Sphere& ball = patch.ball;
     const double most = largest - kDepth * ball.radius - rounding_;
     alignas(32) std::array<double, kGroup> u, v, w, length;
-    std::array<std::int64_t, kGroup> no;
-    std::int64_t far = -1;
     for (std::size_t i = 0; i < kGroup; ++i) {
       u[i] = x[i] - ball.center.x, v[i] = y[i] - ball.center.y, w[i] = z[i] - ball.center.z;
       length[i] = std::sqrt(u[i] * u[i] + v[i] * v[i] + w[i] * w[i]);
-      no[i] = std::abs(length[i] - ball.radius) <= most ? 0 : -1;
-      far &= no[i];
-    }
-    if (far != 0) return 0;
-    for (std::uint32_t c = 0; c < patch.cover_count; ++c) {
-      const arcs::Cap& cap = patch.covers[c].cap;
-      const double limit = cap.cosine + 0.5 * kExposureTolerance;
-      for (std::size_t i = 0; i < kGroup; ++i) {
-        const double inner = cap.axis.x * u[i] + cap.axis.y * v[i] + cap.axis.z * w[i];
-        no[i] |= inner > limit * length[i] ? -1 : 0;
-      }
     }
     std::uint32_t mask = 0;
-    for (std::size_t i = 0; i < kGroup; ++i) mask |= static_cast<std::uint32_t>(no[i] == 0) << i;
+    for (std::size_t first = 0; first < kGroup; first += kLanes) {
+      const Lanes of_ball = lanes_at(&length[first]);
+      LaneBits yes = magnitude_of(of_ball - all_lanes(ball.radius)) <= all_lanes(most);
+      if (bits_of(yes) == 0) continue;
+      const Lanes along[3] = {lanes_at(&u[first]), lanes_at(&v[first]), lanes_at(&w[first])};
+      for (std::uint32_t c = 0; c < patch.cover_count; ++c) {
+        const arcs::Cap& cap = patch.covers[c].cap;
+        const double limit = cap.cosine + 0.5 * kExposureTolerance;
+        const Lanes inner = cap.axis.x * along[0] + cap.axis.y * along[1] + cap.axis.z * along[2];
+        yes &= inner <= limit * of_ball;
+      }
+      mask |= bits_of(yes) << first;
+    }
     return mask;
   }
 
@@ -177,8 +179,8 @@ double measure_open(const PatchTreeView& surface, std::span<const Vec3d> points,
   const bool together = group.find(surface, recent.latest());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const LeastGap nearest =
-        together ? group[i] : find_least_gap(surface, points[i], recent.latest());
-    largest = std::max(largest, std::abs(signed_distance(surface, points[i], nearest)));
+        together ? group[i] : find_least_gap<NearEight>(surface, points[i], recent.latest());
+    largest = std::max(largest, std::abs(signed_distance<NearEight>(surface, points[i], nearest)));
     recent.add(nearest.patch);
   }
   return largest;
@@ -218,7 +220,8 @@ template <class Visit>
     Group group(some);
     const bool together = group.find(surface, hint);
     for (std::size_t i = 0; i < some.size(); ++i) {
-      const LeastGap nearest = together ? group[i] : find_least_gap(surface, some[i], hint);
+      const LeastGap nearest =
+          together ? group[i] : find_least_gap<NearEight>(surface, some[i], hint);
       visit(first + i, nearest);
       hint = nearest.patch;
     }
@@ -228,7 +231,7 @@ template <class Visit>
 VDWMESH_MULTIVERSION void find_all(const PatchTreeView& surface, std::span<const Vec3d> points,
                                    double* found) {
   visit_gaps(surface, points, [&](std::size_t i, const LeastGap& nearest) {
-    found[i] = signed_distance(surface, points[i], nearest);
+    found[i] = signed_distance<NearEight>(surface, points[i], nearest);
   });
 }
 

@@ -10,6 +10,8 @@
 //    within the ball of least gap, and exposed points lie within no ball. If the foot on that ball
 //    is exposed, the distance is -s. Most points inside are settled by this one test.
 //  - Otherwise all patches are searched for their nearest points, on their feet, arcs and corners.
+// Near is what judges the boxes of a node (analysis/box_tree_view.hpp).
+//
 // Written as one formula, the squared distance inside is the larger of s² and the least of all
 // patches' squared distances. It contains no choice, so the result does not depend, to the last
 // bit, on the order of the search, on hints, or on the number of points that are searched together.
@@ -51,21 +53,23 @@ VDWMESH_HD inline double gap_of(const Sphere& ball, const Vec3d& p) {
 VDWMESH_HD inline double bound_of_gap(double gap) { return gap > 0 ? gap * gap : 0; }
 
 // Finds the ball of least gap. `hint` is the patch that is measured first.
+template <class Near = NearLanes>
 VDWMESH_HD inline LeastGap find_least_gap(const PatchTreeView& surface, const Vec3d& p,
                                           std::uint32_t hint) {
   LeastGap found{gap_of(surface.balls[hint], p), hint};
   double bound = bound_of_gap(found.gap);
-  visit_nearest(surface.tree, surface.tree.query(p), bound, [&](std::uint32_t i, double& least) {
-    const Sphere& ball = surface.balls[i];
-    const Vec3d to = p - ball.center;
-    const double square = arcs::inner(to, to);
-    const double reach = ball.radius + found.gap;
-    if (!(reach > 0) || square > reach * reach * (1 + kSquareMargin)) return;
-    const double gap = std::sqrt(square) - ball.radius;
-    if (!(gap < found.gap)) return;
-    found = {gap, i};
-    least = bound_of_gap(gap);
-  });
+  visit_nearest<Near>(surface.tree, surface.tree.query(p), bound,
+                      [&](std::uint32_t i, double& least) {
+                        const Sphere& ball = surface.balls[i];
+                        const Vec3d to = p - ball.center;
+                        const double square = arcs::inner(to, to);
+                        const double reach = ball.radius + found.gap;
+                        if (!(reach > 0) || square > reach * reach * (1 + kSquareMargin)) return;
+                        const double gap = std::sqrt(square) - ball.radius;
+                        if (!(gap < found.gap)) return;
+                        found = {gap, i};
+                        least = bound_of_gap(gap);
+                      });
   return found;
 }
 
@@ -137,6 +141,7 @@ VDWMESH_HD inline bool update_nearest(const Patch& patch, const Vec3d& p, double
 // s², which the caller passes as `least`, and the squared distance to the nearest patch. The search
 // may therefore end once a patch is as near as s². A caller to whom distances up to a larger bound
 // are alike passes its square instead. `hint` is the patch that is measured first.
+template <class Near = NearLanes>
 VDWMESH_HD inline double nearest_exposed(const PatchTreeView& surface, const Vec3d& p,
                                          std::uint32_t hint, double least) {
   double squared = std::numeric_limits<double>::infinity();
@@ -145,19 +150,20 @@ VDWMESH_HD inline double nearest_exposed(const PatchTreeView& surface, const Vec
   // A sphere has a point nearer than `reach` only if |p - center| is between radius - reach and
   // radius + reach. The squares are compared, so most balls are rejected without a square root.
   double reach = std::sqrt(squared);
-  visit_nearest(surface.tree, surface.tree.query(p), squared, [&](std::uint32_t i, double& best) {
-    if (best <= least) {
-      best = -1;  // the end: `least` is the result
-      return;
-    }
-    const Sphere& ball = surface.balls[i];
-    const Vec3d to = p - ball.center;
-    const double square = arcs::inner(to, to);
-    const double most = ball.radius + reach, fewest = ball.radius - reach;
-    if (square > most * most * (1 + kSquareMargin)) return;
-    if (fewest > 0 && square < fewest * fewest * (1 - kSquareMargin)) return;
-    if (update_nearest(surface.patches[i], p, best)) reach = std::sqrt(best);
-  });
+  visit_nearest<Near>(surface.tree, surface.tree.query(p), squared,
+                      [&](std::uint32_t i, double& best) {
+                        if (best <= least) {
+                          best = -1;  // the end: `least` is the result
+                          return;
+                        }
+                        const Sphere& ball = surface.balls[i];
+                        const Vec3d to = p - ball.center;
+                        const double square = arcs::inner(to, to);
+                        const double most = ball.radius + reach, fewest = ball.radius - reach;
+                        if (square > most * most * (1 + kSquareMargin)) return;
+                        if (fewest > 0 && square < fewest * fewest * (1 - kSquareMargin)) return;
+                        if (update_nearest(surface.patches[i], p, best)) reach = std::sqrt(best);
+                      });
   return squared < least ? least : squared;
 }
 
@@ -169,16 +175,19 @@ VDWMESH_HD inline bool is_settled(const PatchTreeView& surface, const Vec3d& p,
 }
 
 // Returns the signed distance, Å, of a point that is not settled, by a search of all patches.
+template <class Near = NearLanes>
 VDWMESH_HD inline double unsettled_distance(const PatchTreeView& surface, const Vec3d& p,
                                             const LeastGap& nearest) {
-  return -std::sqrt(nearest_exposed(surface, p, nearest.patch, nearest.gap * nearest.gap));
+  return -std::sqrt(nearest_exposed<Near>(surface, p, nearest.patch, nearest.gap * nearest.gap));
 }
 
 // Returns the signed distance, Å, of a point whose ball of least gap is known: positive outside the
 // union, negative inside.
+template <class Near = NearLanes>
 VDWMESH_HD inline double signed_distance(const PatchTreeView& surface, const Vec3d& p,
                                          const LeastGap& nearest) {
-  return is_settled(surface, p, nearest) ? nearest.gap : unsettled_distance(surface, p, nearest);
+  return is_settled(surface, p, nearest) ? nearest.gap
+                                         : unsettled_distance<Near>(surface, p, nearest);
 }
 
 }  // namespace vdwmesh

@@ -7,18 +7,39 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
-#include "analysis/mesh_area.hpp"
+#include "core/lanes.hpp"
 #include "surface/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 
-// The box around the triangles [first, end) of the mesh.
+// A box that grows by triangles; the last lane of its corners means nothing. Minima and maxima are
+// taken of all axes together.
+struct LaneBox {
+  Lanes lower = all_lanes(std::numeric_limits<double>::infinity());
+  Lanes upper = all_lanes(-std::numeric_limits<double>::infinity());
+
+  VDWMESH_INLINE void include(const IndexedMesh& mesh, std::size_t triangle) {
+    for (const std::uint32_t v : mesh.triangles[triangle]) {
+      const Vec3d& at = mesh.positions[v];
+      const Lanes p{at.x, at.y, at.z, at.z};
+      lower = p < lower ? p : lower;
+      upper = p > upper ? p : upper;
+    }
+  }
+  VDWMESH_INLINE Box box() const {
+    return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+  }
+};
+
+// The box around the triangles [first, end) of the mesh. Precondition: their coordinates are
+// finite.
 inline Box box_of_triangles(const IndexedMesh& mesh, std::size_t first, std::size_t end) {
-  Box box = empty_box();
-  for (std::size_t t = first; t < end; ++t) include(box, box_of(corners_of(mesh, t)));
-  return box;
+  LaneBox around;
+  for (std::size_t t = first; t < end; ++t) around.include(mesh, t);
+  return around.box();
 }
 
 // Returns the exponent of the width of a box, its longest side: width is in [2^e, 2^(e+1)). A point

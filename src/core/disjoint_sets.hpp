@@ -42,8 +42,9 @@ class DisjointSets {
     }
   }
 
-  // Unites the sets of a and b.
+  // Unites the sets of a and b. Elements with one parent are united already, as most are.
   void join(std::uint32_t a, std::uint32_t b) {
+    if (parent(a) == parent(b)) return;
     for (a = find(a), b = find(b); a != b; a = find(a), b = find(b)) {
       if (a < b) std::swap(a, b);
       // Here a is the larger root. The exchange fails if another thread has linked a to another

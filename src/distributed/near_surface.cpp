@@ -6,9 +6,9 @@
 // sums and ties have the same outcome.
 #include "distributed/near_surface.hpp"
 
-#include "core/blocks.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "refine/preparation.hpp"
+#include "spheres/list_ids.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -40,10 +40,7 @@ void NearSurface::choose_spheres(double lower, double upper) {
   SurfaceView view{options_.projection,
                    projection_list(near_set_, options_, TriangleLabels::none, workspace_), model_,
                    spheres_.spheres().data()};
-  ids_.resize(view.list.size);
-  for_all(ids_.size(),
-          [&](std::size_t i) { ids_[i] = near_.ids[view.list.id[static_cast<ListPlace>(i)]]; });
-  view.list.id = ids_.data();
+  use_ids(near_.ids, view.list, ids_);
   surface_.emplace(view);
 }
 

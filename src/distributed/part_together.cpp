@@ -9,6 +9,7 @@
 
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
+#include "cuda/count_part.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/part_without_halo.hpp"
 
@@ -55,6 +56,7 @@ HaloCounts halo_counts(const Ranks& ranks, Backend backend) {
 }
 
 std::unique_ptr<SurfacePart> count_together(const Ranks& ranks, const SphereSet& near,
+                                            std::span<const SphereId> ids,
                                             std::span<const std::uint64_t> begins, HaloCounts halo,
                                             const ExtractOptions& options, Backend backend) {
   const KeyRange own = run_of(ranks, begins);
@@ -62,9 +64,9 @@ std::unique_ptr<SurfacePart> count_together(const Ranks& ranks, const SphereSet&
   std::unique_ptr<PartWithoutHalo> without_halo;
   ranks.together([&] {
     if (halo == HaloCounts::given) {
-      without_halo = count_without_halo(near, own, options);
+      without_halo = count_without_halo(near, ids, own, options);
     } else {
-      part = make_extractor(backend)->count(near, own, options);
+      part = count_part(backend, near, ids, own, options);
     }
     check_memory(halo == HaloCounts::given ? without_halo->size() : part->size(), options,
                  near.size());

@@ -18,10 +18,12 @@ namespace vdwmesh {
 // other: if one rank meshes on a device, none does. The same for all ranks. Collective.
 HaloCounts halo_counts(const Ranks& ranks, Backend backend);
 
-// Counts the run of this rank with the spheres near it. `begins` are the first keys of all runs.
-// The options are those of Extractor::count(). Throws, on all ranks, what that function throws, and
+// Counts the run of this rank with the spheres near it, which labels call by their `ids` in the
+// whole set; without ids they are all spheres. `begins` are the first keys of all runs. The options
+// are those of Extractor::count(). Throws, on all ranks, what that function throws, and
 // LimitExceeded if a part does not fit the memory limit of its rank. Collective.
 std::unique_ptr<SurfacePart> count_together(const Ranks& ranks, const SphereSet& near,
+                                            std::span<const SphereId> ids,
                                             std::span<const std::uint64_t> begins, HaloCounts halo,
                                             const ExtractOptions& options, Backend backend);
 

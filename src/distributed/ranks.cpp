@@ -6,6 +6,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <limits>
 
@@ -78,12 +79,15 @@ Ranks::~Ranks() {
 
 // A failure without a message counts too: running out of memory has none.
 void Ranks::together(const std::function<void()>& work) const {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
   Failure failure;
   try {
     work();
   } catch (...) {
     failure = current_failure();
   }
+  seconds_of_work_ += std::chrono::duration<double>(Clock::now() - begin).count();
   const int first = first_of(failure.cause != Cause::none);
   all_failed_ = first != kNobody;
   if (!all_failed_) return;

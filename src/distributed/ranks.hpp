@@ -45,6 +45,9 @@ class Ranks {
   // Whether an exception left the last together(). If it was not caught, all ranks are on their way
   // out.
   bool all_failed() const { return all_failed_; }
+  // How long this rank has worked inside of together(), by the clock. The rest of its time it waits
+  // for other ranks, or tells them something.
+  double seconds_of_work() const { return seconds_of_work_; }
 
   // The text of the lowest rank whose text is not empty, preceded by "rank N: " unless N is 0;
   // empty if there is none. Collective.
@@ -138,6 +141,7 @@ class Ranks {
   struct Host;
   Host* host_ = nullptr;  // communicators of the ranks on this host, and of leaders
   mutable bool all_failed_ = false;
+  mutable double seconds_of_work_ = 0;
 };
 
 }  // namespace vdwmesh

@@ -72,13 +72,6 @@ void name_locally(const HaloVertices& halo, SurfacePiece& piece) {
   });
 }
 
-void use_numbers_of_whole(const std::vector<SphereId>& ids, IndexedMesh& mesh) {
-  Buffer<SphereId>& atoms = mesh.vertex_spheres.atoms;
-  for_each_index(atoms.size(), [&](std::size_t v) {
-    if (atoms[v] != kNoSphere) atoms[v] = ids[atoms[v]];
-  });
-}
-
 // Makes room for the mesh of a part, and behind its arrays for what the border mesh will add to
 // them: the vertices behind the range that its triangles name, the triangles of ranges before it
 // that name own vertices, and the vertices of these. Room that is not used takes no memory.
@@ -126,7 +119,7 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   SphereSet chosen;
   ranks.together([&] { chosen = SphereSet::view(is_alone ? spheres.spheres() : near.spheres); });
   const std::unique_ptr<SurfacePart> part =
-      count_together(ranks, chosen, begins, halo, options, backend);
+      count_together(ranks, chosen, near.ids, begins, halo, options, backend);
   ranks.together([&] { check_names(*part); });
   const MeshSize own = part->size();
   SurfacePiece piece;
@@ -140,7 +133,6 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
     reserve_with_border(*part, std::ranges::max(naming), piece.mesh);
     piece.stats = part->emit({0, piece.first_triangle}, piece.mesh);
     name_locally(part->halo(), piece);
-    if (!is_alone) use_numbers_of_whole(near.ids, piece.mesh);
   });
   add_up(ranks, piece.stats);
   piece.fallback = ranks.first_text(part->fallback);

@@ -23,6 +23,10 @@
 namespace vdwmesh {
 namespace {
 
+// How many groups of bricks a rank tells the first one of, which sorts those of all ranks while the
+// others wait. A part of the surface is cut to 1 / 512 of itself then, less than it is estimated.
+constexpr std::size_t kGroups = 512;
+
 // An interval of z, Å.
 struct Slab {
   double lower, upper;
@@ -56,14 +60,39 @@ std::span<const Sphere> block_of(const SphereSet& spheres, std::size_t block, st
   return spheres.spheres().subspan(first, end - first);
 }
 
-SphereSet own_block(const Ranks& ranks, const SphereSet& spheres) {
-  return SphereSet::view(block_of(spheres, static_cast<std::size_t>(ranks.number()),
-                                  static_cast<std::size_t>(ranks.count())));
+std::span<const Sphere> own_block(const Ranks& ranks, const SphereSet& spheres) {
+  return block_of(spheres, static_cast<std::size_t>(ranks.number()),
+                  static_cast<std::size_t>(ranks.count()));
+}
+
+// bounding_box() and center_bounding_box(), by one look at each sphere.
+struct Boxes {
+  Box balls = empty_box(), centers = empty_box();
+
+  void add(const Boxes& other) {
+    include(balls, other.balls);
+    include(centers, other.centers);
+  }
+};
+
+Boxes boxes_of(std::span<const Sphere> spheres) {
+  if (spheres.empty()) return {};
+  return join_blocks(
+      spheres.size(),
+      [&](std::size_t begin, std::size_t end) {
+        Boxes boxes;
+        for (const Sphere& s : spheres.subspan(begin, end - begin)) {
+          boxes.add({box_of(s), box_of({s.center, 0})});
+        }
+        return boxes;
+      },
+      [](Boxes& all, const Boxes& boxes) { all.add(boxes); });
 }
 
 // What all ranks have found for this one, each among its own spheres: ascending. Collective.
-std::vector<SphereId> found_for_own(const Ranks& ranks,
-                                    const std::vector<std::vector<SphereId>>& for_each_rank) {
+template <class Found>
+std::vector<Found> found_for_own(const Ranks& ranks,
+                                 const std::vector<std::vector<Found>>& for_each_rank) {
   return joined(ranks.exchange(for_each_rank));
 }
 
@@ -87,22 +116,14 @@ std::vector<Slab> slabs_of_runs(const GridSpec& grid, std::span<const std::uint6
 }  // namespace
 
 GridSpec grid_together(const Ranks& ranks, const SphereSet& spheres, const GridOptions& options) {
-  struct Boxes {
-    Box balls = empty_box(), centers = empty_box();
-  };
   Boxes own;
   const bool looks = ranks.count() > 1 && !options.given;
   ranks.together([&] {
-    if (spheres.empty() || !looks) return;
-    const SphereSet block = own_block(ranks, spheres);
-    if (!block.empty()) own = {bounding_box(block), center_bounding_box(block)};
+    if (looks) own = boxes_of(own_block(ranks, spheres));
   });
   Boxes all;
   if (looks) {
-    for (const Boxes& boxes : ranks.of_all(own)) {
-      include(all.balls, boxes.balls);
-      include(all.centers, boxes.centers);
-    }
+    for (const Boxes& boxes : ranks.of_all(own)) all.add(boxes);
   }
   GridSpec grid{};
   ranks.together([&] {
@@ -117,7 +138,7 @@ CellListFrame frame_together(const Ranks& ranks, const SphereSet& spheres,
   SphereSet block;
   Buffer<double> reaches;
   ranks.together([&] {
-    block = own_block(ranks, spheres);
+    block = SphereSet::view(own_block(ranks, spheres));
     reaches = field_reaches(block, model);
   });
   const double smallest = std::ranges::min(ranks.of_all(least_of(reaches)));
@@ -149,6 +170,22 @@ std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t 
   return begins;
 }
 
+std::vector<BrickArea> join_bricks(std::vector<BrickArea> areas, std::size_t count) {
+  std::ranges::sort(areas, {}, &BrickArea::key);
+  double whole = 0;
+  for (const BrickArea& a : areas) whole += a.area;
+  const double least = whole / static_cast<double>(count);  // of all groups but the last
+  std::vector<BrickArea> groups;
+  for (const BrickArea& a : areas) {
+    if (groups.empty() || groups.back().area >= least) {
+      groups.push_back(a);
+    } else {
+      groups.back().area += a.area;
+    }
+  }
+  return groups;
+}
+
 std::vector<std::uint64_t> share_bricks(const Ranks& ranks, const SphereSet& spheres,
                                         const FieldModel& model) {
   const auto rank = static_cast<std::size_t>(ranks.number());
@@ -161,6 +198,7 @@ std::vector<std::uint64_t> share_bricks(const Ranks& ranks, const SphereSet& sph
     for (const SurfaceSample& sample : sample_surface(spheres, model, rank, count, near)) {
       areas.push_back({key_at(model.grid, sample.point), sample.area});
     }
+    areas = join_bricks(std::move(areas), kGroups);
   });
   std::vector<BrickArea> all = ranks.collect(std::span<const BrickArea>(areas));
   std::vector<std::uint64_t> begins;
@@ -179,11 +217,11 @@ KeyRange run_of(const Ranks& ranks, std::span<const std::uint64_t> begins) {
   return run_at(begins, static_cast<std::size_t>(ranks.number()));
 }
 
-std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
-                                                     const FieldModel& model, std::size_t block,
-                                                     std::span<const std::uint64_t> begins,
-                                                     HaloCounts halo) {
-  using Near = std::vector<std::vector<SphereId>>;  // by run
+std::vector<std::vector<SphereRun>> spheres_near_runs(const SphereSet& spheres,
+                                                      const FieldModel& model, std::size_t block,
+                                                      std::span<const std::uint64_t> begins,
+                                                      HaloCounts halo) {
+  using Near = std::vector<std::vector<SphereRun>>;  // by run of bricks
   const std::vector<Slab> slabs = slabs_of_runs(model.grid, begins, halo);
   const std::span<const Sphere> looked_at = block_of(spheres, block, begins.size());
   if (looked_at.empty()) return Near(begins.size());
@@ -198,22 +236,23 @@ std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
           auto run = static_cast<std::size_t>(
               std::ranges::lower_bound(slabs, z - reach, {}, &Slab::upper) - slabs.begin());
           for (; run < slabs.size() && slabs[run].lower <= z + reach; ++run) {
-            near[run].push_back(first_id + static_cast<SphereId>(i));
+            add_id(first_id + static_cast<SphereId>(i), near[run]);
           }
         }
         return near;
       },
-      append_to_each<SphereId>);
+      append_to_each<SphereRun>);
 }
 
 ChosenSpheres spheres_near(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model,
                            std::span<const std::uint64_t> begins, HaloCounts halo) {
   const auto rank = static_cast<std::size_t>(ranks.number());
-  std::vector<std::vector<SphereId>> for_each;
+  std::vector<std::vector<SphereRun>> for_each;
   ranks.together([&] { for_each = spheres_near_runs(spheres, model, rank, begins, halo); });
+  const std::vector<SphereRun> runs = found_for_own(ranks, for_each);
   ChosenSpheres near;
-  near.ids = found_for_own(ranks, for_each);
   ranks.together([&] {
+    near.ids = ids_of(runs);
     if (near.ids.empty()) near.ids = {0};
     copy_spheres(spheres, near);
   });

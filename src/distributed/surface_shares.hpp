@@ -32,6 +32,11 @@ struct BrickArea {
 // ends where the next one begins, the last at kNoBrickKey. Runs may be empty.
 std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t count);
 
+// Joins bricks that follow each other in the order of keys to about `count` groups, of about the
+// same area. A group has the key of its first brick. So cut_bricks() of the groups cuts where it
+// cuts the bricks, but for the area of a group.
+std::vector<BrickArea> join_bricks(std::vector<BrickArea> areas, std::size_t count);
+
 // The first keys of the ranks' runs of bricks, cut_bricks() of what all ranks estimate. Collective.
 std::vector<std::uint64_t> share_bricks(const Ranks& ranks, const SphereSet& spheres,
                                         const FieldModel& model);
@@ -46,13 +51,13 @@ enum class HaloCounts : std::uint8_t { own, given };
 
 // The spheres that have an effect on the field in the bricks of a run, and of its halo if the rank
 // counts that itself. spheres_near_runs() looks at one of as many blocks of the spheres as there
-// are runs, and returns them by run, ascending. spheres_near() returns those of this rank's run,
-// which all ranks find for it. Where there are none, the first sphere of the set stands for them,
-// because many functions refuse an empty set. The second function is collective.
-std::vector<std::vector<SphereId>> spheres_near_runs(const SphereSet& spheres,
-                                                     const FieldModel& model, std::size_t block,
-                                                     std::span<const std::uint64_t> begins,
-                                                     HaloCounts halo);
+// are runs of bricks, and returns them by run of bricks, ascending. spheres_near() returns those of
+// this rank's run, which all ranks find for it. Where there are none, the first sphere of the set
+// stands for them, because many functions refuse an empty set. The second function is collective.
+std::vector<std::vector<SphereRun>> spheres_near_runs(const SphereSet& spheres,
+                                                      const FieldModel& model, std::size_t block,
+                                                      std::span<const std::uint64_t> begins,
+                                                      HaloCounts halo);
 ChosenSpheres spheres_near(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model,
                            std::span<const std::uint64_t> begins, HaloCounts halo);
 

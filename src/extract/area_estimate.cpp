@@ -14,9 +14,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -44,29 +46,56 @@ constexpr double kRayStep = 0.25;  // relative to the radius
 // weight of a ray that meets the surface at a right angle.
 constexpr double kLeastCosine = 0.1;
 
-// Whether another ball covers the point p of the sphere at list place `own`. If the point lies on
-// several spheres, it counts as covered for all of them but the first in the list.
-bool is_covered(const CellListView& list, ListPlace own, const Vec3d& p) {
-  // A point counts as lying on a sphere if its squared distance from the centre differs from the
-  // squared radius by less than this share of it. So of several equal spheres the first keeps its
-  // area and the others have none, whichever way the point is rounded.
-  constexpr double kSlack = 1e-9;
-  return visit_near_box(list, p, p, [&](ListPlace place) {
-    const Sphere& ball = list.spheres[place];
+// The balls that may cover points of a sphere.
+class Covers {
+ public:
+  Covers(const CellListView& list, ListPlace own) : list_(list), own_(own) {
+    constexpr double kMargin = 1e-6;  // relative; far more than points are rounded by, and kSlack
+    const Sphere& ball = list.spheres[own];
+    const Box box = box_of(ball);
+    visit_near_box(list, box.lower, box.upper, [&](ListPlace place) {
+      const Vec3d d = list.spheres[place].center - ball.center;
+      const double most = (ball.radius + list.spheres[place].radius) * (1 + kMargin);
+      if (place != own && dot(d, d) <= most * most) near_.push_back(place);
+      return false;
+    });
+  }
+
+  // Whether another ball covers the point p of the sphere. If the point lies on several spheres, it
+  // counts as covered for all of them but the first in the list.
+  bool is_covered(const Vec3d& p) {
+    for (ListPlace& place : near_) {
+      if (!covers(place, p)) continue;
+      std::swap(place, near_.front());  // it may well cover the next point, too
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  bool covers(ListPlace place, const Vec3d& p) const {
+    // A point counts as lying on a sphere if its squared distance from the centre differs from the
+    // squared radius by less than this share of it. So of several equal spheres the first keeps its
+    // area and the others have none, whichever way the point is rounded.
+    constexpr double kSlack = 1e-9;
+    const Sphere& ball = list_.spheres[place];
     const double square = ball.radius * ball.radius;
     const Vec3d d = p - ball.center;
-    if (place == own) return false;
-    return dot(d, d) < square * (place < own ? 1 + kSlack : 1 - kSlack);
-  });
-}
+    return dot(d, d) < square * (place < own_ ? 1 + kSlack : 1 - kSlack);
+  }
+
+  const CellListView& list_;
+  ListPlace own_;
+  std::vector<ListPlace> near_;
+};
 
 // Share of a sphere's area that no other ball covers, 0 to 1.
 double exposed_part(const CellListView& list, ListPlace own) {
   const Sphere& ball = list.spheres[own];
+  Covers covers(list, own);
   int exposed = 0;
   for (int k = 0; k < kPointsPerSphere; ++k)
-    exposed +=
-        !is_covered(list, own, ball.center + ball.radius * even_direction(k, kPointsPerSphere));
+    exposed += !covers.is_covered(ball.center + ball.radius * even_direction(k, kPointsPerSphere));
   return exposed / static_cast<double>(kPointsPerSphere);
 }
 
@@ -137,12 +166,14 @@ void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace 
                    double weight, std::vector<SurfaceSample>& samples) {
   const Sphere& ball = list.spheres[own];
   const double solid_angle = 4 * std::numbers::pi / points * weight;
+  std::optional<Covers> covers;
+  if (model.kind == FieldKind::vdw) covers.emplace(list, own);
   for (int k = 0; k < points; ++k) {
     const Vec3d u = even_direction(k, points);
     RayHit hit{ball.radius, ball.radius * ball.radius};
-    if (model.kind != FieldKind::vdw) {
+    if (!covers) {
       hit = follow_ray(list, model, own, u);
-    } else if (is_covered(list, own, ball.center + ball.radius * u)) {
+    } else if (covers->is_covered(ball.center + ball.radius * u)) {
       continue;
     }
     if (!(hit.area > 0)) continue;
@@ -173,38 +204,107 @@ class Part {
   std::uint64_t first_, size_;
 };
 
-// The box that the reaches of the spheres of a part take. Precondition: it has some.
-Box box_of_reaches(const SphereSet& spheres, const FieldModel& model, const Part& part) {
+// The box that the reaches of some spheres take, and the largest of these, Å.
+struct Reaches {
+  Box box = empty_box();
+  double largest = 0;
+};
+
+// Precondition: the part has spheres.
+Reaches reaches_of(const SphereSet& spheres, const FieldModel& model, const Part& part) {
   return join_blocks(
       part.size(),
       [&](std::size_t begin, std::size_t end) {
-        Box box = empty_box();
+        Reaches all;
         for (const Sphere& s : spheres.spheres().subspan(part.first() + begin, end - begin)) {
-          include(box, box_of({s.center, field_reach(model, s.radius)}));
+          const double reach = field_reach(model, s.radius);
+          include(all.box, box_of({s.center, reach}));
+          all.largest = std::max(all.largest, reach);
         }
-        return box;
+        return all;
       },
-      [](Box& box, const Box& other) { include(box, other); });
+      [](Reaches& all, const Reaches& other) {
+        include(all.box, other.box);
+        all.largest = std::max(all.largest, other.largest);
+      });
 }
+
+// Cells of a box, of which some are marked.
+class MarkedCells {
+ public:
+  MarkedCells() = default;
+  // Cells of about this edge, Å, or longer where an axis would have too many.
+  MarkedCells(const Box& box, double edge) : lower_(box.lower) {
+    const Vec3d size = box.upper - box.lower;
+    for (int axis = 0; axis < 3; ++axis) {
+      constexpr double kMost = 512;  // 16 MB of bits in all
+      const auto a = static_cast<std::size_t>(axis);
+      const double cells = std::clamp(std::floor(size[axis] / edge), 1.0, kMost);
+      count_[a] = static_cast<std::size_t>(cells);
+      scale_[a] = size[axis] > 0 ? cells / size[axis] : 0;
+    }
+    marks_.resize(count_[0] * count_[1] * count_[2]);
+  }
+
+  void mark(const Box& box) {
+    const std::array<std::size_t, 3> first = cell_of(box.lower), last = cell_of(box.upper);
+    for (std::size_t z = first[2]; z <= last[2]; ++z) {
+      for (std::size_t y = first[1]; y <= last[1]; ++y) {
+        for (std::size_t x = first[0]; x <= last[0]; ++x) marks_[index_of({x, y, z})] = true;
+      }
+    }
+  }
+  // True if the point is in a box that was marked: along each axis the cell does not fall where the
+  // coordinate rises, however it is rounded, so it is one of those between the ends of the box.
+  bool is_marked(const Vec3d& point) const { return marks_[index_of(cell_of(point))]; }
+
+ private:
+  std::array<std::size_t, 3> cell_of(const Vec3d& p) const {
+    std::array<std::size_t, 3> cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double place = (p[axis] - lower_[axis]) * scale_[a];
+      cell[a] =
+          static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(count_[a] - 1)));
+    }
+    return cell;
+  }
+  std::size_t index_of(const std::array<std::size_t, 3>& cell) const {
+    return (cell[2] * count_[1] + cell[1]) * count_[0] + cell[0];
+  }
+
+  Vec3d lower_{};
+  std::array<double, 3> scale_{};
+  std::array<std::size_t, 3> count_{};
+  std::vector<bool> marks_;
+};
 
 // The samples of all parts that reach a box, and which spheres within it have an effect on their
 // surface. The points at which the field is evaluated for a sphere of a sample are at most a step
 // of a ray beyond its reach. Numbers of a structure mostly follow each other in space, so the box
-// of a block leaves out most samples.
+// of a block leaves out most samples. Of the spheres of the block, most are near no sample, and one
+// look at the cells around the samples tells.
 class Samples {
  public:
-  Samples(const SphereSet& spheres, const FieldModel& model, std::size_t parts, const Box& box)
+  // Precondition of add(): the sphere and its reach are within `around`.
+  Samples(const SphereSet& spheres, const FieldModel& model, std::size_t parts,
+          const Reaches& around)
       : ends_in_box_(model.kind != FieldKind::vdw && model.truncation == Truncation::subgrid) {
     std::vector<Sphere> all;
     for (std::size_t part = 0; part < parts; ++part) {
       for (const SphereId id : Part(spheres.size(), part, parts).sample()) {
         const Sphere& s = spheres[id];
         const double reach = field_reach(model, s.radius) + kRayStep * s.radius;
-        if (!meet(box, box_of({s.center, reach}))) continue;
+        if (!meet(around.box, box_of({s.center, reach}))) continue;
         all.push_back(s);
         part_.push_back(part);
         reach_.push_back(reach);
       }
+    }
+    if (all.empty()) return;
+    cells_ = MarkedCells(around.box, around.largest + std::ranges::max(reach_));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      cells_.mark(box_of({all[i].center, (reach_[i] + around.largest) * (1 + kRounding)}));
     }
     list_ = CellList(SphereSet(std::move(all)), reach_);
   }
@@ -212,12 +312,12 @@ class Samples {
   // Appends the sphere's number to those near each part on whose sample it may have an effect.
   void add(const Sphere& s, double reach, SphereId id,
            std::vector<std::vector<SphereId>>& near) const {
+    if (reach_.empty() || !cells_.is_marked(s.center)) return;
     const Box box = box_of({s.center, reach});
     visit_near_box(list_.view(), box.lower, box.upper, [&](ListPlace place) {
       const SphereId sampled = list_.view().id[place];
       std::vector<SphereId>& ids = near[part_[sampled]];
       const Vec3d d = list_.view().spheres[place].center - s.center;
-      constexpr double kRounding = 1e-9;  // relative; more than squares are rounded by
       const double most = (reach + reach_[sampled]) * (1 + kRounding);
       const bool is_near = ends_in_box_ || dot(d, d) <= most * most;
       if (is_near && (ids.empty() || ids.back() != id)) ids.push_back(id);
@@ -226,9 +326,12 @@ class Samples {
   }
 
  private:
+  static constexpr double kRounding = 1e-9;  // relative; more than sums and squares are rounded by
+
   bool ends_in_box_;  // at the faces of a box of cells; all other fields end at a sphere
   std::vector<std::size_t> part_;  // by sphere of the samples
   std::vector<double> reach_;      // likewise, Å
+  MarkedCells cells_;              // of the centres of spheres that may be near
   CellList list_;
 };
 
@@ -257,7 +360,7 @@ std::vector<std::vector<SphereId>> spheres_near_samples(const SphereSet& spheres
   using Near = std::vector<std::vector<SphereId>>;  // by part
   const Part own(spheres.size(), block, parts);
   if (own.size() == 0) return Near(parts);
-  const Samples samples(spheres, model, parts, box_of_reaches(spheres, model, own));
+  const Samples samples(spheres, model, parts, reaches_of(spheres, model, own));
   return join_blocks(
       own.size(),
       [&](std::size_t begin, std::size_t end) {

@@ -12,6 +12,7 @@
 #include "extract/field_list.hpp"
 #include "extract/part_without_halo.hpp"
 #include "extract/union/union_brick.hpp"
+#include "spheres/list_ids.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -61,9 +62,13 @@ BrickLoops loops_of(const Job& job) {
 
 // What an extraction needs: the field with its grid, and the cell list, which the workspace keeps.
 struct Scene {
-  Scene(const SphereSet& spheres, const ExtractOptions& options, Workspace& workspace)
+  // `ids`: what labels call the spheres; empty: their indices.
+  Scene(const SphereSet& spheres, std::span<const SphereId> ids, const ExtractOptions& options,
+        Workspace& workspace)
       : model(make_field_model(options.field, make_grid(spheres, options.grid))),
-        list(field_list(spheres, model, options.frame, workspace)) {}
+        list(field_list(spheres, model, options.frame, workspace)) {
+    if (!ids.empty()) use_ids(ids, list, own_ids);
+  }
 
   // A function that searches the bricks of the range when it is called. The Scene must outlive it.
   // The largest number of bricks is that of which the ActiveBricks fit in the memory limit.
@@ -76,6 +81,7 @@ struct Scene {
 
   FieldModel model;
   CellListView list;
+  Buffer<SphereId> own_ids;  // of the list, if ids were given
 };
 
 // The most bricks that there are between the ends of a range and of its halo, which are a layer, a
@@ -93,10 +99,11 @@ enum class HaloSource { counted, given };
 // Only the bricks of the range are emitted.
 class CpuSurfacePart final : public PartWithoutHalo {
  public:
-  CpuSurfacePart(const SphereSet& spheres, const KeyRange& range, HaloSource halo,
-                 const ExtractOptions& options)
+  // `ids`: what labels call the spheres; empty: their indices.
+  CpuSurfacePart(const SphereSet& spheres, std::span<const SphereId> ids, const KeyRange& range,
+                 HaloSource halo, const ExtractOptions& options)
       : workspace_(options.workspace),
-        scene_(spheres, options, workspace_),
+        scene_(spheres, ids, options, workspace_),
         mesher_(scene_.model.grid, loops_of(scene_.job()), LabelWidth::one, options, workspace_) {
     const bool is_given = halo == HaloSource::given;
     const KeyRange searched = is_given ? range : with_halo(range, options.connectivity);
@@ -130,7 +137,7 @@ class CpuExtractor final : public Extractor {
   void extract_into(ExtractResult& result, const SphereSet& spheres,
                     const ExtractOptions& options) const override {
     WorkspaceOfCall workspace(options.workspace);
-    const Scene scene(spheres, options, workspace);
+    const Scene scene(spheres, {}, options, workspace);
     // The range {} is all bricks.
     mesh_bricks(result, scene.model.grid, scene.candidates({}, options), loops_of(scene.job()),
                 LabelWidth::one, options, workspace);
@@ -138,17 +145,26 @@ class CpuExtractor final : public Extractor {
 
   std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                      const ExtractOptions& options) const override {
-    return std::make_unique<CpuSurfacePart>(spheres, range, HaloSource::counted, options);
+    return count_part_on_cpu(spheres, {}, range, options);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres, const KeyRange& range,
+std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres,
+                                                    std::span<const SphereId> ids,
+                                                    const KeyRange& range,
                                                     const ExtractOptions& options) {
   ExtractOptions without_half_edges = options;
   without_half_edges.connectivity = Connectivity::triangles;
-  return std::make_unique<CpuSurfacePart>(spheres, range, HaloSource::given, without_half_edges);
+  return std::make_unique<CpuSurfacePart>(spheres, ids, range, HaloSource::given,
+                                          without_half_edges);
+}
+
+std::unique_ptr<SurfacePart> count_part_on_cpu(const SphereSet& spheres,
+                                               std::span<const SphereId> ids, const KeyRange& range,
+                                               const ExtractOptions& options) {
+  return std::make_unique<CpuSurfacePart>(spheres, ids, range, HaloSource::counted, options);
 }
 
 std::unique_ptr<Extractor> make_cpu_extractor() { return std::make_unique<CpuExtractor>(); }

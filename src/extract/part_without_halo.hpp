@@ -23,8 +23,16 @@ class PartWithoutHalo : public SurfacePart {
 };
 
 // Extractor::count() on the CPU without the halo: `spheres` may lack those that are near the halo
-// only. There are no half-edges, whatever the options say. Throws as that function does.
-std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres, const KeyRange& range,
+// only. `ids` are what labels call the spheres, their ids in a whole set; they must rise. There are
+// no half-edges, whatever the options say. Throws as that function does.
+std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres,
+                                                    std::span<const SphereId> ids,
+                                                    const KeyRange& range,
                                                     const ExtractOptions& options);
+
+// The same with the halo, and with half-edges if the options say so.
+std::unique_ptr<SurfacePart> count_part_on_cpu(const SphereSet& spheres,
+                                               std::span<const SphereId> ids, const KeyRange& range,
+                                               const ExtractOptions& options);
 
 }  // namespace vdwmesh

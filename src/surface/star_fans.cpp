@@ -15,6 +15,7 @@
 #include <cmath>
 
 #include "core/blocks.hpp"
+#include "surface/divided_patches.hpp"
 #include "surface/patch_star.hpp"
 
 namespace vdwmesh {
@@ -60,48 +61,6 @@ Buffer<Vec3f> directions_of(const Buffer<Vec3d>& positions, std::size_t vertices
   return directions;
 }
 
-// The vertices of patch t, as far as the mesh is divided: its corners and its midpoints.
-Triangle corners_of_patch(const IndexedMesh& mesh, std::size_t t) {
-  return {mesh.triangles[4 * t][0], mesh.triangles[4 * t + 1][0], mesh.triangles[4 * t + 2][0]};
-}
-const Triangle& midpoints_of_patch(const IndexedMesh& mesh, std::size_t t) {
-  return mesh.triangles[4 * t + 3];
-}
-
-bool is_patch(const IndexedMesh& mesh, std::size_t t) {
-  const Triangle& m = midpoints_of_patch(mesh, t);
-  const Triangle corners = corners_of_patch(mesh, t);
-  bool is = corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Triangle& child = mesh.triangles[4 * t + k];
-    is &= child[1] == m[k] && child[2] == m[k == 0 ? 2 : k - 1];
-  }
-  return is;
-}
-
-// What the patches of a mesh have for vertices.
-struct PatchVertices {
-  bool all_are_patches = true;
-  std::uint32_t last_corner = 0, first_midpoint = 0xffffffffu;
-};
-
-PatchVertices survey_patches(const IndexedMesh& mesh) {
-  return reduce_all(
-      mesh.triangle_count() / 4, PatchVertices{},
-      [&](std::size_t t, PatchVertices& all) {
-        const Triangle corner = corners_of_patch(mesh, t);
-        const Triangle& middle = midpoints_of_patch(mesh, t);
-        all.all_are_patches &= is_patch(mesh, t);
-        all.last_corner = std::max({all.last_corner, corner[0], corner[1], corner[2]});
-        all.first_midpoint = std::min({all.first_midpoint, middle[0], middle[1], middle[2]});
-      },
-      [](const PatchVertices& a, const PatchVertices& b) {
-        return PatchVertices{a.all_are_patches && b.all_are_patches,
-                             std::max(a.last_corner, b.last_corner),
-                             std::min(a.first_midpoint, b.first_midpoint)};
-      });
-}
-
 // The number of different midpoints of patches, all of which are at least `first`.
 std::uint64_t count_midpoints(const IndexedMesh& mesh, std::size_t first) {
   Buffer<std::uint8_t> used(mesh.vertex_count() - first, 0);
@@ -117,12 +76,31 @@ std::uint64_t count_midpoints(const IndexedMesh& mesh, std::size_t first) {
 std::size_t vertices_before(const IndexedMesh& mesh) {
   if (mesh.triangle_count() == 0 || mesh.triangle_count() % 8 != 0) return 0;
   const PatchVertices found = survey_patches(mesh);
-  if (!found.all_are_patches || found.last_corner >= found.first_midpoint) return 0;
+  if (!found.are_in_order()) return 0;
   const std::uint64_t patches = mesh.triangle_count() / 4;
   return 2 * count_midpoints(mesh, found.first_midpoint) == 3 * patches ? found.first_midpoint : 0;
 }
 
 }  // namespace
+
+PatchVertices survey_patches(const IndexedMesh& mesh) {
+  return reduce_all(
+      mesh.triangle_count() / 4, PatchVertices{},
+      [&](std::size_t t, PatchVertices& all) {
+        const Triangle corner = corners_of_patch(mesh, t);
+        const Triangle& middle = midpoints_of_patch(mesh, t);
+        all.all_are_patches &= is_patch(mesh, t);
+        all.last_corner = std::max({all.last_corner, corner[0], corner[1], corner[2]});
+        all.first_midpoint = std::min({all.first_midpoint, middle[0], middle[1], middle[2]});
+        all.last_midpoint = std::max({all.last_midpoint, middle[0], middle[1], middle[2]});
+      },
+      [](const PatchVertices& a, const PatchVertices& b) {
+        return PatchVertices{a.all_are_patches && b.all_are_patches,
+                             std::max(a.last_corner, b.last_corner),
+                             std::min(a.first_midpoint, b.first_midpoint),
+                             std::max(a.last_midpoint, b.last_midpoint)};
+      });
+}
 
 Buffer<Vec3f> fan_directions(const Buffer<Vec3d>& positions, std::size_t vertices,
                              const Buffer<Triangle>& triangles) {

@@ -9,6 +9,7 @@
 
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
+#include "cuda/count_part.hpp"
 #include "support/dice.hpp"
 #include "support/extract_sets.hpp"
 
@@ -133,6 +134,25 @@ TEST_P(ExtractorParts, HalosArePartOfTheMesh) {
   const HaloVertices none = extractor()->count(spheres, {}, options)->halo();
   EXPECT_EQ(none.before, 0u);
   EXPECT_EQ(none.behind, 0u);
+}
+
+// As those of a part of a set, of which every third sphere is in the part. The cell list of few
+// spheres is made on the host, that of many on the device.
+TEST_P(ExtractorParts, LabelsCallSpheresByTheirIds) {
+  const Backend backend = std::get<0>(GetParam());
+  for (const int count : {300, 9000}) {
+    const SphereSet spheres = cluster(count, 11);
+    std::vector<SphereId> ids;
+    for (int i = 0; i < count; ++i) ids.push_back(static_cast<SphereId>(3 * i + 1));
+    const ExtractOptions options = at_spacing(1);
+    IndexedMesh expected = extract(spheres, options).mesh;
+    for (SphereId& atom : expected.vertex_spheres.atoms) {
+      if (atom != kNoSphere) atom = ids[atom];
+    }
+    IndexedMesh mesh;
+    count_part(backend, spheres, ids, {}, options)->emit({}, mesh);
+    EXPECT_EQ(hash(mesh), hash(expected)) << count;
+  }
 }
 
 TEST_P(ExtractorParts, RangesJoinToTheWholeMesh) {

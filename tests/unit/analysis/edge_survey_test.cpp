@@ -168,6 +168,66 @@ TEST(EdgeSurvey, VerticesJoined) {
   }
 }
 
+// Each triangle of a soup divided into four, with one new vertex in the middle of each edge, which
+// is numbered behind all others.
+Triangles divided(const Triangles& soup, std::uint32_t vertices) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middle;
+  Triangles fine;
+  for (const auto& [a, b, c] : soup) {
+    const auto between = [&](std::uint32_t u, std::uint32_t v) {
+      const auto next = static_cast<std::uint32_t>(vertices + middle.size());
+      return middle.emplace(std::minmax(u, v), next).first->second;
+    };
+    const std::uint32_t ab = between(a, b), bc = between(b, c), ca = between(c, a);
+    fine.insert(fine.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+  }
+  return fine;
+}
+
+// Closed manifolds that were divided once and twice are surveyed by way of their corners; and such
+// of which something is not as it should be: vertices of the coarse mesh joined or a triangle of it
+// turned, a midpoint that is another one or a corner in one patch or everywhere, and patches or
+// their triangles in another order. Ten bipyramids have more patches than the first look takes.
+TEST(EdgeSurvey, DividedMeshes) {
+  constexpr std::uint32_t kShells = 10, kVertices = 8 * kShells;
+  std::mt19937 random(6);
+  for (int round = 0; round < 300; ++round) {
+    SCOPED_TRACE(round);
+    Triangles coarse;
+    for (std::uint32_t i = 0; i < kShells; ++i)
+      add_bipyramid(coarse, 8 * i + 2, 6, 8 * i, 8 * i + 1);
+    std::vector<std::uint32_t> name(kVertices);
+    std::iota(name.begin(), name.end(), 0u);
+    std::shuffle(name.begin(), name.end(), random);
+    const int kind = round % 10;
+    if (kind == 1) name[below(kVertices, random)] = name[below(kVertices, random)];
+    for (auto& triangle : coarse)
+      for (std::uint32_t& v : triangle) v = name[v];
+    std::shuffle(coarse.begin(), coarse.end(), random);
+    if (kind == 2) std::swap(coarse[100][0], coarse[100][1]);
+    if (kind == 3) coarse.pop_back();
+    Triangles fine = divided(coarse, kVertices);
+    std::uint32_t vertices = kVertices + 3 * static_cast<std::uint32_t>(coarse.size());
+    const auto replace = [&](std::size_t first, std::size_t end, std::uint32_t old,
+                             std::uint32_t by) {
+      for (std::size_t t = first; t < end; ++t) std::ranges::replace(fine[t], old, by);
+    };
+    const std::size_t patch = 4 * (70 + below(40, random));
+    const std::uint32_t midpoint = fine[patch + 3][0], other = fine[patch + 3][1];
+    const std::uint32_t far = fine[4 * below(60, random) + 3][below(3, random)];
+    if (kind == 4) replace(patch, patch + 4, midpoint, vertices - 1);
+    if (kind == 5) replace(0, fine.size(), midpoint, far);
+    if (kind == 6) replace(patch, patch + 4, midpoint, below(kVertices, random));
+    if (kind == 7) replace(0, fine.size(), midpoint, other);
+    if (kind == 8) std::swap(fine[patch], fine[patch + 5]);
+    if (kind == 9) {
+      fine = divided(fine, vertices);
+      vertices *= 4;
+    }
+    expect_survey(fine, vertices);
+  }
+}
+
 // More vertices than a range has, in order and shuffled, so that triangles are in one, two and
 // three ranges.
 TEST(EdgeSurvey, ManyVertices) {

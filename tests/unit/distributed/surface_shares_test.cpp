@@ -13,6 +13,7 @@
 #include "arrangement/exact_union.hpp"
 #include "core/joined_arrays.hpp"
 #include "extract/area_estimate.hpp"
+#include "spheres/even_directions.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -25,10 +26,23 @@ FieldModel union_on(const SphereSet& spheres, double spacing) {
 
 // What all blocks find for each of the parts or runs, as ranks tell each other.
 template <class Find>
-std::vector<std::vector<SphereId>> joined_blocks(std::size_t blocks, const Find& find) {
-  std::vector<std::vector<SphereId>> all(blocks);
-  for (std::size_t block = 0; block < blocks; ++block) append_to_each(all, find(block));
+auto joined_blocks(std::size_t blocks, const Find& find) {
+  auto all = find(0);
+  for (std::size_t block = 1; block < blocks; ++block) append_to_each(all, find(block));
   return all;
+}
+
+// The same of spheres_near_runs(), as ids.
+std::vector<std::vector<SphereId>> near_runs(const SphereSet& spheres, const FieldModel& model,
+                                             std::span<const std::uint64_t> begins,
+                                             HaloCounts halo) {
+  std::vector<std::vector<SphereId>> near;
+  for (const std::vector<SphereRun>& runs : joined_blocks(begins.size(), [&](std::size_t block) {
+         return spheres_near_runs(spheres, model, block, begins, halo);
+       })) {
+    near.push_back(ids_of(runs));
+  }
+  return near;
 }
 
 // The samples of all parts.
@@ -75,6 +89,39 @@ TEST(CutBricks, WithFewerBricksThanRanksTheLastOnesHaveNone) {
   EXPECT_EQ(cut_bricks({}, 3), (std::vector<std::uint64_t>{0, kNoBrickKey, kNoBrickKey}));
 }
 
+TEST(JoinBricks, GroupsHaveEqualAreas) {
+  std::vector<BrickArea> areas;
+  for (std::uint64_t key = 0; key < 100; ++key) areas.push_back({99 - key, 2.0});
+  const std::vector<BrickArea> groups = join_bricks(areas, 20);
+  ASSERT_EQ(groups.size(), 20u);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    EXPECT_EQ(groups[i].key, 5 * i);
+    EXPECT_EQ(groups[i].area, 10.0);
+  }
+}
+
+// Several areas of a brick, and areas that no group has exactly: cuts differ by a group at most.
+TEST(JoinBricks, CutsMoveByAGroupAtMost) {
+  std::mt19937 random(3);
+  constexpr std::size_t kBricks = 5000, kGroups = 250, kRuns = 7;
+  std::vector<BrickArea> areas;
+  std::vector<double> before(kBricks + 1);  // [k]: the area of bricks below k
+  for (std::size_t i = 0; i < 3 * kBricks; ++i) {
+    areas.push_back({random() % kBricks, 0.5 + static_cast<double>(random() % 1000) / 1000});
+    before[areas.back().key + 1] += areas.back().area;
+  }
+  std::partial_sum(before.begin(), before.end(), before.begin());
+  const double most = before.back() / kGroups + 20;  // Å²; a brick has less than 20
+  const std::vector<BrickArea> groups = join_bricks(areas, kGroups);
+  EXPECT_LE(groups.size(), kGroups + 1);
+  EXPECT_GE(groups.size(), kGroups / 2);
+  const auto expected = cut_bricks(areas, kRuns), cut = cut_bricks(groups, kRuns);
+  for (std::size_t run = 0; run < kRuns; ++run) {
+    EXPECT_NEAR(before[cut[run]], before[expected[run]], most) << run;
+  }
+  EXPECT_TRUE(join_bricks({}, 3).empty());
+}
+
 // Samples of spheres that do not touch are all exposed, so the estimate is exact but for rounding.
 TEST(EstimateBricks, ThePartsTogetherAreTheWholeSurface) {
   const SphereSet spheres = column_of(100);
@@ -104,6 +151,31 @@ TEST(EstimateBricks, PartsKnowWhatTheOthersCover) {
       }
     }
     EXPECT_NEAR(area_of(samples), expected, 0.1 * expected) << parts;  // as promised
+  }
+}
+
+// No point that lies open is left out: all balls tell for each of 8 points of 2,000 spheres.
+TEST(SampleSurface, HasAllPointsThatLieOpen) {
+  std::mt19937 random(17);
+  const auto number = [&](double most) { return most * static_cast<double>(random()) / 0x1p32; };
+  std::vector<Sphere> balls{{{20, 20, 20}, 6}};
+  while (balls.size() < 2000) {
+    balls.push_back({{number(40), number(40), number(40)}, 0.5 + number(2)});
+  }
+  const SphereSet spheres(balls);
+  const auto samples = samples_of(spheres, union_on(spheres, 0.5), 1);
+  std::map<SphereId, int> found;
+  for (const SurfaceSample& s : samples) ++found[s.sphere];
+  constexpr int kPoints = 8;
+  for (SphereId id = 0; id < balls.size(); ++id) {
+    int open = 0;
+    for (int k = 0; k < kPoints; ++k) {
+      const Vec3d p = balls[id].center + balls[id].radius * even_direction(k, kPoints);
+      open += std::ranges::none_of(balls, [&](const Sphere& ball) {
+        return &ball != &balls[id] && norm(p - ball.center) < ball.radius;
+      });
+    }
+    EXPECT_EQ(found[id], open) << id;
   }
 }
 
@@ -156,6 +228,37 @@ TEST(SampleSurface, DoesNotNeedTheSpheresThatAreLeftOut) {
   }
 }
 
+// Most spheres are near no sample, here as in a large structure; all pairs tell which are. The
+// sample of a part is every k-th sphere, and a ball reaches a quarter of its radius beyond it.
+TEST(SpheresNearSamples, AreThoseWithinReachOfASample) {
+  std::mt19937 random(13);
+  const auto number = [&](double most) { return most * static_cast<double>(random()) / 0x1p32; };
+  constexpr std::size_t kParts = 2, kEach = 40960, kStep = 20;
+  std::vector<Sphere> balls;
+  for (std::size_t i = 0; i < kParts * kEach; ++i) {
+    balls.push_back({{500 + number(150), -number(150), number(150)}, 1 + number(1)});
+  }
+  const SphereSet spheres(balls);
+  const FieldModel model = union_on(spheres, 0.5);
+  const auto near = joined_blocks(kParts, [&](std::size_t block) {
+    return spheres_near_samples(spheres, model, block, kParts);
+  });
+  for (std::size_t part = 0; part < kParts; ++part) {
+    std::vector<SphereId> expected;
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      bool is_near = false;
+      for (std::size_t j = part * kEach; j < (part + 1) * kEach && !is_near; j += kStep) {
+        const Vec3d d = balls[i].center - balls[j].center;
+        const double most = balls[i].radius + 1.25 * balls[j].radius;
+        is_near = dot(d, d) <= most * most;  // no two balls are all but at this distance
+      }
+      if (is_near) expected.push_back(static_cast<SphereId>(i));
+    }
+    EXPECT_LT(expected.size(), balls.size() / 2);
+    EXPECT_EQ(near[part], expected);
+  }
+}
+
 TEST(CutBricks, SharesOfAColumnAreEqual) {
   const SphereSet spheres = column_of(64);
   const FieldModel model = union_on(spheres, 0.5);
@@ -179,8 +282,7 @@ void expect_only_near(HaloCounts halo) {
   const FieldModel model = union_on(spheres, 0.5);
   const std::vector<std::uint64_t> begins{0, brick_key({0, 0, 60}), brick_key({0, 0, 61}),
                                           kNoBrickKey};
-  const auto near = joined_blocks(
-      4, [&](std::size_t block) { return spheres_near_runs(spheres, model, block, begins, halo); });
+  const auto near = near_runs(spheres, model, begins, halo);
   for (const std::vector<SphereId>& ids : near) EXPECT_TRUE(std::ranges::is_sorted(ids));
   EXPECT_LE(near[1].size(), 4u);
   EXPECT_GE(near[1].size(), 1u);
@@ -201,6 +303,24 @@ void expect_only_near(HaloCounts halo) {
   }
 }
 
+// Ids of several blocks of the loop, with runs that end where a block does.
+TEST(SphereRuns, AreTheIdsThatWereAdded) {
+  std::mt19937 random(11);
+  std::vector<SphereId> expected;
+  std::vector<SphereRun> runs;
+  const auto add = [&](SphereId id) {
+    expected.push_back(id);
+    add_id(id, runs);
+  };
+  for (SphereId id = 0; id < kIndicesPerBlock; ++id) add(id);
+  for (SphereId id = kIndicesPerBlock + 5; id < 5 * kIndicesPerBlock; ++id) {
+    if (random() % 3 != 0) add(id);
+  }
+  EXPECT_LT(runs.size(), expected.size() / 2);
+  EXPECT_EQ(ids_of(runs), expected);
+  EXPECT_TRUE(ids_of({}).empty());
+}
+
 TEST(SpheresNearRuns, OnlyThoseNearTheRun) { expect_only_near(HaloCounts::own); }
 TEST(SpheresNearRuns, OnlyThoseNearTheRunAlone) { expect_only_near(HaloCounts::given); }
 
@@ -213,11 +333,7 @@ TEST(SpheresNearRuns, AreFewerIfTheHaloIsGiven) {
   const std::vector<std::uint64_t> begins{0, brick_key({0, 0, 30}), brick_key({0, 0, 31}),
                                           kNoBrickKey};
   const auto count = [&](HaloCounts halo) {
-    return joined_blocks(4,
-                         [&](std::size_t block) {
-                           return spheres_near_runs(spheres, model, block, begins, halo);
-                         })[0]
-        .size();
+    return near_runs(spheres, model, begins, halo)[0].size();
   };
   EXPECT_LT(count(HaloCounts::given), count(HaloCounts::own));
 }

@@ -34,7 +34,8 @@ std::vector<KeyRange> random_ranges(const GridSpec& grid, Dice& dice, int count)
 std::vector<std::unique_ptr<PartWithoutHalo>> parts_with_given_halos(
     const SphereSet& spheres, const ExtractOptions& options, const std::vector<KeyRange>& ranges) {
   std::vector<std::unique_ptr<PartWithoutHalo>> parts;
-  for (const KeyRange& range : ranges) parts.push_back(count_without_halo(spheres, range, options));
+  for (const KeyRange& range : ranges)
+    parts.push_back(count_without_halo(spheres, {}, range, options));
   std::vector<std::vector<std::vector<ActiveBrick>>> halos;
   for (const KeyRange& range : ranges) {
     std::vector<std::vector<ActiveBrick>>& halo = halos.emplace_back();
@@ -59,7 +60,7 @@ TEST(PartWithoutHalo, BallsFarFromEachOtherNeedNoRoomForALayer) {
   const SphereSet spheres({{{0, 0, 0}, 1.5}, {{60'000, 60'000, 0}, 1.5}});
   ExtractOptions options;
   options.connectivity = Connectivity::triangles;
-  const std::unique_ptr<PartWithoutHalo> part = count_without_halo(spheres, {}, options);
+  const std::unique_ptr<PartWithoutHalo> part = count_without_halo(spheres, {}, {}, options);
   const std::span<const ActiveBrick> bricks = part->counted({0, kNoBrickKey});
   EXPECT_GT(bricks.size(), 0u);
   EXPECT_LT(bricks.size(), 1000u);
