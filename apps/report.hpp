@@ -128,7 +128,7 @@ struct MeshProof {
   // were not computed.
   std::optional<bool> topology_is_exact;
   std::optional<AtomErrors> atoms;  // empty: no atom counts
-  // ExactMeshStats::below_floor, before any subdivision; empty for the excluded surface as well.
+  // ExactMeshStats::below_floor, before subdivision; empty with min_angle or an excluded surface.
   std::optional<std::uint64_t> below_floor;
   // (extrapolated - exact) / exact; empty without two levels.
   std::optional<double> extrapolated_area_error, extrapolated_volume_error;

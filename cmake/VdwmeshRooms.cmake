@@ -37,7 +37,7 @@ function(vdwmesh_target_warnings target)
 endfunction()
 
 # For what is compiled to be run once: VDWMESH_QUICK_BUILD in place of the build type's optimisation, and
-# sources joined. Fuzzers have none of it: it does without what guides them, a call at every comparison.
+# sources joined. Not for fuzzers and the rooms they link: with VDWMESH_FUZZ, what guides them is left out, a call at every comparison.
 #
 #   vdwmesh_build_quickly(<target> [<sources apart>])
 function(vdwmesh_build_quickly target)

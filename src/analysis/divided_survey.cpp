@@ -6,7 +6,10 @@
 // sides, which run from one corner of a patch to the next, see which midpoint they have:
 //  1. Each side that runs from the smaller vertex to the larger one writes both at its midpoint.
 //  2. Each side must find its own two vertices at its midpoint.
-// Then the coarse mesh must be a closed, oriented manifold, which survey_edges() finds out.
+// Then the coarse mesh must be a closed, oriented manifold, which survey_edges() finds out, without
+// a shell of two triangles.
+// In the first pass two sides may write at one midpoint, against the rule of core/blocks.hpp:
+// whichever of them is the last, the second pass finds that the other one's ends are not there.
 //
 // Claim: then each edge of the coarse mesh has one midpoint, and no two edges have the same one.
 // Proof: an edge has two sides that run in opposite directions, so exactly one that writes. The
@@ -14,9 +17,12 @@
 // own midpoint; so both have the same. Two vertices stand at a midpoint in the second pass, so it
 // has one edge. ∎ It follows that the mesh is the coarse one with a vertex in the middle of each
 // edge and each triangle cut into four: the same surface with other triangles, which run around as
-// theirs. So it is a closed, oriented manifold too. Its edges are two halves of each coarse edge
-// and three in each patch, its vertices the coarse ones and one for each coarse edge. Its shells
-// are the coarse ones, in the same order, because the triangles of a patch stand together.
+// theirs. Its edges are two halves of each coarse edge and three in each patch. These three run
+// between midpoints, so only another patch with the same two coarse edges could have one of them:
+// it has the same three corners, the third edge is that of both, too, and the two are a shell of
+// their own, which was excluded. So the mesh is a closed, oriented manifold too. Its vertices are
+// the coarse ones and one for each coarse edge. Its shells are the coarse ones, in the same order,
+// because the triangles of a patch stand together.
 //
 // A mesh that was divided twice is surveyed by way of the one between, and so on.
 #include "analysis/divided_survey.hpp"
@@ -81,6 +87,16 @@ IndexedMesh coarse_mesh(const IndexedMesh& mesh) {
   return coarse;
 }
 
+// Whether one of the shells has two triangles. Nobody counts beyond three.
+bool has_shell_of_two(const EdgeSurvey& survey) {
+  Buffer<std::uint32_t> triangles(survey.shells, 0);
+  for_all(survey.shell_of.size(), [&](std::size_t t) {
+    const std::atomic_ref count(triangles[survey.shell_of[t]]);
+    if (count.load(std::memory_order_relaxed) < 3) count.fetch_add(1, std::memory_order_relaxed);
+  });
+  return std::ranges::find(triangles, 2u) != triangles.end();
+}
+
 // At most so many edges are taken at a patch: those of its middle child and the halves of three.
 constexpr std::size_t kMostEdges = 9;
 
@@ -140,6 +156,7 @@ std::optional<EdgeSurvey> survey_divided(const IndexedMesh& mesh, BracketedValue
     survey = survey_edges(coarse);
   }
   if (!survey.closed || !survey.manifold || !survey.oriented) return std::nullopt;
+  if (has_shell_of_two(survey)) return std::nullopt;
   const Buffer<std::uint32_t> of_patch = std::move(survey.shell_of);
   survey.used_vertices += survey.edges;
   survey.edges = 2 * survey.edges + 3 * of_patch.size();

@@ -92,9 +92,9 @@ struct ExactMeshStats {
   // because the limits on the rounds or on the pieces of an arc, or on how short a piece may be,
   // have ended the search for better ones.
   std::uint64_t below_min_angle_at_corners = 0, below_min_angle = 0;
-  // Angles below their floors (mesher/angle_floors.hpp): below 5°, and at a corner of a patch below
-  // half of the exact angle there. Empty with a bound on the angles, which takes the place of
-  // these.
+  // Angles below their floors (mesher/angle_floors.hpp): below 5°, or below half of the exact angle
+  // at a corner of the patch where that is less. Empty with a bound on the angles, which takes the
+  // place of these.
   std::optional<std::uint64_t> below_floor;
   // Balls whose arcs double precision did not decide: an exact triangulation of the balls around
   // them decided.

@@ -24,7 +24,7 @@ namespace vdwmesh {
 namespace {
 
 // How many groups of bricks a rank tells the first one of, which sorts those of all ranks while the
-// others wait. A part of the surface is cut to 1 / 512 of itself then, less than it is estimated.
+// others wait. A cut is off by 1 / 512 of a rank's share at most, less than the estimate is.
 constexpr std::size_t kGroups = 512;
 
 // An interval of z, Å.

@@ -92,7 +92,9 @@ void print_surface(const std::string& name, const SphereSet& spheres, FieldKind 
   refine.projection = projection;
   refine.field = options.field;
   refine.grid = extracted.grid;
-  print(name + ", refined", make_cpu_refiner()->refine(spheres, extracted.mesh, refine).mesh);
+  const IndexedMesh refined = make_cpu_refiner()->refine(spheres, extracted.mesh, refine).mesh;
+  print(name + ", refined", refined);
+  print_measures(name + ", refined", refined);
   print_measures(name, extracted.mesh);
 }
 

@@ -121,7 +121,7 @@ namespace {
 // The figures are those of an H200 and 16 cores of its host (docs/exact_mesh.md). All patches of a
 // few thousand are under way at once, so the largest of them ends last: a thread takes 6.9 ms for
 // one of 495 points, the largest of haemoglobin's 1,905 that the first look leaves alone. More
-// patches slow each other down by one millisecond for every 600, packed and sent. A core meshes 7.5
+// patches slow each other down, fitted to such runs: a millisecond for every 600. A core meshes 7.5
 // patches of 310 points in a millisecond, since 16 of them take 541 ms for 65,536, and looks at 30
 // boundaries.
 constexpr double kPointsOfThread = 495 / 6.9, kPatchesOfDevice = 600;

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 
+#include "analysis/box_tree_lanes.hpp"
 #include "analysis/distances.hpp"
 #include "analysis/distances_statistics.hpp"
 #include "analysis/distances_triangle.hpp"
@@ -94,6 +95,12 @@ TEST(BoxNode, DistancesAreLowerBoundsAndNearlyRight) {
       const double distance = std::sqrt(static_cast<double>(found[i]));
       EXPECT_LE(distance, std::sqrt(exact) * (1 + 1e-6));
       EXPECT_GE(distance, std::sqrt(exact) - std::sqrt(3.0) * (2 * 2 * size / 255 + 1e-6));
+    }
+    for (const float bound : {0.0f, found[0], 1.5f * found[count / 2], 100.0f}) {
+      const NearLanes one_by_one(node, query, bound);
+      const NearEight together(node, query, bound);
+      EXPECT_EQ(together.near, one_by_one.near);
+      for (int i = 0; i < count; ++i) EXPECT_EQ(together.distance[i], one_by_one.distance[i]);
     }
     const Box all = box_of(node);
     for (int i = 0; i < count; ++i)

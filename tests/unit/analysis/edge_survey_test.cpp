@@ -12,6 +12,7 @@
 #include <set>
 #include <vector>
 
+#include "analysis/divided_survey.hpp"
 #include "analysis/vertex_survey.hpp"
 #include "core/fixed_blocks.hpp"
 
@@ -184,6 +185,13 @@ Triangles divided(const Triangles& soup, std::uint32_t vertices) {
   return fine;
 }
 
+bool is_surveyed_as_divided(const Triangles& triangles, std::size_t vertices) {
+  IndexedMesh mesh;
+  mesh.triangles.assign(triangles.begin(), triangles.end());
+  mesh.positions.resize(vertices);
+  return survey_divided(mesh, nullptr).has_value();
+}
+
 // Closed manifolds that were divided once and twice are surveyed by way of their corners; and such
 // of which something is not as it should be: vertices of the coarse mesh joined or a triangle of it
 // turned, a midpoint that is another one or a corner in one patch or everywhere, and patches or
@@ -205,7 +213,7 @@ TEST(EdgeSurvey, DividedMeshes) {
       for (std::uint32_t& v : triangle) v = name[v];
     std::shuffle(coarse.begin(), coarse.end(), random);
     if (kind == 2) std::swap(coarse[100][0], coarse[100][1]);
-    if (kind == 3) coarse.pop_back();
+    if (kind == 3) coarse.resize(coarse.size() - 2);
     Triangles fine = divided(coarse, kVertices);
     std::uint32_t vertices = kVertices + 3 * static_cast<std::uint32_t>(coarse.size());
     const auto replace = [&](std::size_t first, std::size_t end, std::uint32_t old,
@@ -225,6 +233,28 @@ TEST(EdgeSurvey, DividedMeshes) {
       vertices *= 4;
     }
     expect_survey(fine, vertices);
+    if (kind == 0 || kind == 9) {
+      EXPECT_TRUE(is_surveyed_as_divided(fine, vertices));
+    }
+  }
+}
+
+// Two triangles with the same corners are a closed shell, but once they are divided they have the
+// edges between their midpoints in common, which then have four sides.
+TEST(EdgeSurvey, DividedPillows) {
+  const Triangles pillow{{0, 1, 2}, {0, 2, 1}};
+  Triangles beside = pillow;
+  add_bipyramid(beside, 5, 6, 3, 4);
+  for (const Triangles& coarse : {pillow, beside}) {
+    Triangles fine = divided(coarse, 11);
+    std::uint32_t vertices = 11 + 3 * static_cast<std::uint32_t>(coarse.size());
+    for (int level = 1; level <= 2; ++level) {
+      SCOPED_TRACE(level);
+      EXPECT_FALSE(expected_of(fine).manifold);
+      expect_survey(fine, vertices);
+      fine = divided(fine, vertices);
+      vertices *= 4;
+    }
   }
 }
 
