@@ -9,7 +9,8 @@
 namespace vdwmesh {
 
 // Extractor::count() of make_extractor(backend), for spheres that have the ids `ids` in a whole
-// set: these are what the labels of vertices say. Ids must rise with the spheres.
+// set: these are what the labels of vertices say. There is one for each sphere, and they must rise
+// with the spheres, which is not checked. If there are none, labels are indices, as of count().
 std::unique_ptr<SurfacePart> count_part(Backend backend, const SphereSet& spheres,
                                         std::span<const SphereId> ids, const KeyRange& range,
                                         const ExtractOptions& options);
