@@ -116,7 +116,7 @@ void angle_rows(const Row& row, const std::string& file, const Limits&) {
     const testing::AngleCensus c = testing::angle_census(spheres, mesh);
     std::printf("%s,%g,%g,%zu,%.2f,%.5f,%.4f,%llu,%llu,%.3f,%.5f\n", row.set.c_str(), row.probe, h,
                 mesh.triangle_count(), c.median, c.smallest, 100 * c.below_15,
-                static_cast<unsigned long long>(c.below_floor),
+                static_cast<unsigned long long>(c.below_5_degrees),
                 static_cast<unsigned long long>(c.unexplained), c.worst, c.sharpest_corner);
     std::fflush(stdout);
   }

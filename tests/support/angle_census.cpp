@@ -148,7 +148,7 @@ AngleCensus angle_census(const SphereSet& spheres, const IndexedMesh& mesh) {
     least.push_back(*std::min_element(angles.begin(), angles.end()));
     for (std::size_t k = 0; k < 3; ++k) {
       if (angles[k] >= kAngleFloor) continue;
-      ++census.below_floor;
+      ++census.below_5_degrees;
       const auto own = floors.find(3 * t + k);
       const double floor = own == floors.end() ? kAngleFloor : own->second;
       if (!(angles[k] >= floor)) ++census.unexplained;
@@ -166,8 +166,8 @@ AngleCensus angle_census(const SphereSet& spheres, const IndexedMesh& mesh) {
 std::string AngleCensus::text() const {
   std::ostringstream out;
   out << "least angles: median " << median << ", smallest " << smallest << ", under 15 "
-      << 100 * below_15 << " %; angles under 5: " << below_floor << ", unexplained " << unexplained
-      << ", worst " << worst << " of its floor; sharpest corner " << sharpest_corner;
+      << 100 * below_15 << " %; angles under 5: " << below_5_degrees << ", unexplained "
+      << unexplained << ", worst " << worst << " of its floor; sharpest corner " << sharpest_corner;
   return out.str();
 }
 

@@ -38,12 +38,12 @@ CreaseSurvey survey_creases(const SphereSet& spheres, const IndexedMesh& mesh);
 // kAngleFloor; all others have kAngleFloor.
 inline constexpr double kAngleFloor = 5;  // degrees
 struct AngleCensus {
-  double median = 0, smallest = 0;  // degrees, of the least angle of each triangle
-  double below_15 = 0;              // share of the triangles
-  std::uint64_t below_floor = 0;    // angles under kAngleFloor
-  std::uint64_t unexplained = 0;    // those under their own floor
-  double worst = 1;                 // the least ratio of an angle to its floor
-  double sharpest_corner = 360;     // degrees, exact
+  double median = 0, smallest = 0;    // degrees, of the least angle of each triangle
+  double below_15 = 0;                // share of the triangles
+  std::uint64_t below_5_degrees = 0;  // angles under kAngleFloor
+  std::uint64_t unexplained = 0;      // those under their own floor
+  double worst = 1;                   // the least ratio of an angle to its floor
+  double sharpest_corner = 360;       // degrees, exact
   std::string text() const;
 };
 AngleCensus angle_census(const SphereSet& spheres, const IndexedMesh& mesh);

@@ -43,6 +43,10 @@ class AngleFloors {
   // `edge_length` is that of the patch, on the unit sphere. Keeps views.
   AngleFloors(const PatchBoundaryView& boundary, const ArcsOfPatch& arcs, double edge_length);
 
+  // These three take an angle for below its floor until it is kFloorMargin above it. So where none
+  // is counted there is none in the mesh either, whose coordinates are rounded otherwise. And by
+  // the count the mesher decides whether splits for the floors have helped, so it must be that of
+  // the angles that find() asks splits for.
   bool has_angle_below(const PatchTriangles& patch) const;
   std::uint64_t count(const PatchTriangles& patch) const;  // of those below
   // Appends a request to split a piece for each angle below its floor, if there is one that may be
