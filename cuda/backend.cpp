@@ -12,7 +12,7 @@
 #include "core/errors.hpp"
 #include "cuda/count_part.hpp"
 #include "cuda/cuda_backend.hpp"
-#include "extract/part_without_halo.hpp"
+#include "extract/count_part.hpp"
 
 namespace vdwmesh {
 namespace {

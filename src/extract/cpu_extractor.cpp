@@ -7,6 +7,7 @@
 #include "extract/blended/blended_brick.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/bricks/brick_mesher.hpp"
+#include "extract/count_part.hpp"
 #include "extract/extractor.hpp"
 #include "extract/field_kinds.hpp"
 #include "extract/field_list.hpp"

@@ -30,9 +30,4 @@ std::unique_ptr<PartWithoutHalo> count_without_halo(const SphereSet& spheres,
                                                     const KeyRange& range,
                                                     const ExtractOptions& options);
 
-// The same with the halo, and with half-edges if the options say so.
-std::unique_ptr<SurfacePart> count_part_on_cpu(const SphereSet& spheres,
-                                               std::span<const SphereId> ids, const KeyRange& range,
-                                               const ExtractOptions& options);
-
 }  // namespace vdwmesh
