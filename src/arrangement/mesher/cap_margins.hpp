@@ -8,6 +8,7 @@
 #include <span>
 
 #include "arrangement/mesher/patch_boundary.hpp"
+#include "arrangement/mesher/patch_memory.hpp"
 #include "arrangement/sine_cosine.hpp"
 
 namespace vdwmesh {
@@ -38,7 +39,7 @@ class CapMargins {
       if (is) last_ = cap;
       return is;
     };
-    return !is_near(last_) && !any_below<Memory>(bounds_.size(), is_near);
+    return !is_near(last_) && !holds_for_any<Memory>(bounds_.size(), is_near);
   }
 
  private:

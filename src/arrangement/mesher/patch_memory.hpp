@@ -153,7 +153,7 @@ class BoundedMemory {
 // thread of a device tests all of them: threads that end their loops at different caps would wait
 // for each other, and each for its memory, cap after cap.
 template <class Memory, class Test>
-VDWMESH_HD bool any_below(std::size_t count, const Test& test) {
+VDWMESH_HD bool holds_for_any(std::size_t count, const Test& test) {
   bool any = false;
   for (std::size_t i = 0; i < count && (Memory::kIsBounded || !any); ++i) any |= test(i);
   return any;

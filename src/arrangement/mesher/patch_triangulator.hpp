@@ -284,8 +284,8 @@ class PatchTriangulator {
   }
 
   VDWMESH_HD bool is_buried(const Vec3d& u) const {
-    return any_below<Memory>(boundary_.caps.size(),
-                             [&](std::size_t i) { return boundary_.caps[i].covers(u); });
+    return holds_for_any<Memory>(boundary_.caps.size(),
+                                 [&](std::size_t i) { return boundary_.caps[i].covers(u); });
   }
 
   // Whether a location is inside the patch, and neither a vertex nor on a piece; and whether there

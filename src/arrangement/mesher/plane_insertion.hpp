@@ -173,7 +173,7 @@ template <class Memory>
 VDWMESH_HD typename PlaneTriangulationOf<Memory>::Sides PlaneTriangulationOf<Memory>::sides(
     const PlanePoint& p, std::uint32_t t, std::uint32_t from) {
   const LinkedTriangle& w = triangles_[t];
-  // A thread of a device tests all edges at once, as any_below() tests all caps.
+  // A thread of a device tests all edges at once, as holds_for_any() tests all caps.
   int beyond_0 = 0, beyond_1 = 0, beyond_2 = 0;
   if constexpr (Memory::kIsBounded) {
     const PlanePoint &a = point(w.vertices[0]), &b = point(w.vertices[1]),
