@@ -2,10 +2,6 @@
 // common counter. Each thread has a "lane": a stream and two page-locked buffers. The device fills
 // or reads one buffer while the thread copies between the other and the caller's memory. The lanes
 // are kept for later transfers, because locking their pages takes as long as a small transfer.
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -15,6 +11,7 @@
 #include <mutex>
 #include <thread>
 
+#include "core/copy_past_caches.hpp"
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
 
@@ -26,41 +23,9 @@ constexpr std::size_t kChunksPerThread = 3;  // a thread with fewer chunks does 
 constexpr unsigned kMostThreads = 16;
 
 // A transfer of so many bytes is more than caches hold, 300 MB in all on the largest hosts
-// measured.
+// measured. A download then stores past them: where two devices download at once, the memory of the
+// host is what bounds them (docs/scale.md).
 constexpr std::size_t kBeyondCaches = std::size_t{512} << 20;
-
-// Where a copy on the host stores: a usual store first reads the line of memory that it writes, and
-// leaves it in the caches for who reads it next. A store past the caches does neither. Where two
-// devices download at once, the memory of the host is what bounds them (docs/scale.md).
-enum class Stores { usual, past_caches };
-
-#ifdef __SSE2__
-void copy_past_caches(void* to, const void* from, std::size_t bytes) {
-  constexpr std::size_t kLine = 64, kWord = sizeof(__m128i);
-  auto* out = static_cast<std::byte*>(to);
-  const auto* in = static_cast<const std::byte*>(from);
-  const std::size_t before = (kLine - reinterpret_cast<std::uintptr_t>(out) % kLine) % kLine;
-  const std::size_t head = std::min(before, bytes), lines = (bytes - head) / kLine;
-  std::memcpy(out, in, head);
-  out += head;
-  in += head;
-  for (std::size_t line = 0; line < lines; ++line, out += kLine, in += kLine) {
-    __m128i words[kLine / kWord];
-    for (std::size_t i = 0; i < kLine / kWord; ++i) {
-      words[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(in + i * kWord));
-    }
-    for (std::size_t i = 0; i < kLine / kWord; ++i) {
-      _mm_stream_si128(reinterpret_cast<__m128i*>(out + i * kWord), words[i]);
-    }
-  }
-  std::memcpy(out, in, bytes - head - lines * kLine);
-  _mm_sfence();  // other threads see these stores before what this one does next
-}
-#else
-void copy_past_caches(void* to, const void* from, std::size_t bytes) {
-  std::memcpy(to, from, bytes);
-}
-#endif
 
 void* at_offset(void* memory, std::size_t bytes) { return static_cast<std::byte*>(memory) + bytes; }
 const void* at_offset(const void* memory, std::size_t bytes) {
@@ -106,11 +71,7 @@ class StagingLane {
       const DownloadPart& filled = chunks[filling];
       filling = next++;
       if (filling < chunks.size()) fill(chunks[filling], 1 - side);
-      if (stores == Stores::past_caches) {
-        copy_past_caches(filled.host, buffers_[side].data(), filled.bytes);
-      } else {
-        std::memcpy(filled.host, buffers_[side].data(), filled.bytes);
-      }
+      copy_bytes(filled.host, buffers_[side].data(), filled.bytes, stores);
       side = 1 - side;
     }
   }
@@ -156,7 +117,7 @@ class Staging {
     while (lanes_.size() < threads) lanes_.push_back(std::make_unique<StagingLane>());
     std::size_t bytes = 0;
     for (const Part& chunk : chunks) bytes += chunk.bytes;
-    const Stores stores = bytes < kBeyondCaches ? Stores::usual : Stores::past_caches;
+    const Stores stores = stores_for(bytes, kBeyondCaches);
     std::atomic<std::size_t> next{0};
     run_on_threads(threads, [&](std::size_t i) {
       check_cuda(cudaSetDevice(device), "device");
