@@ -28,7 +28,7 @@ class PieceRefinement {
   // Refines the piece, and returns the counts of all levels, from level 0 on. Collective.
   std::vector<ProjectionStats> run() {
     ranks_.together([&] {
-      if (projects()) piece_.mesh.normals = {};
+      if (projects()) piece_.mesh.normals = Buffer<Vec3f>();
       piece_.mesh.vertex_spheres.widen();
     });
     std::vector<ProjectionStats> levels{project_given()};

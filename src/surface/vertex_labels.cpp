@@ -48,7 +48,8 @@ void VertexLabels::widen() {
 }
 
 void VertexLabels::narrow() {
-  if (has_none(others)) others = {};
+  // `= {}` would leave it its memory.
+  if (has_none(others)) others = Buffer<OtherSpheres>();
 }
 
 // If the widths differ, one of the two arrays `others` is empty and stands for unused spheres only;

@@ -79,6 +79,7 @@ TEST(VertexLabels, GiveBackTheRoomThatNoneOfThemNeeds) {
   labels.widen();
   labels.narrow();
   EXPECT_EQ(labels.width(), LabelWidth::one);
+  EXPECT_EQ(labels.others.capacity(), 0u);
   EXPECT_EQ(labels[1], on_sphere(1));
   labels.push_back(kCrease);
   labels.narrow();
