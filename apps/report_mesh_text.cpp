@@ -109,7 +109,10 @@ void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& 
   }
   if (proof.below_floor) {
     line(out, "",
-         fmt::format("{} angles below their floors, before subdivision", *proof.below_floor));
+         fmt::format("{}, before subdivision",
+                     *proof.below_floor == 1
+                         ? "1 angle below its floor"
+                         : fmt::format("{} angles below their floors", *proof.below_floor)));
   }
   if (mesh.extrapolated_area) {
     line(out, "",

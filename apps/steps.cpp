@@ -109,13 +109,20 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
                   s.contacts, s.joins));
 }
 
-// Notes how many triangles stay below the least angle, if one was asked for.
+// Notes how many triangles stay below the least angle, if one was asked for; else how many angles
+// stay below their floors.
 void note_small_angles(const ExactMeshStats& s, Report& report) {
-  if (s.below_min_angle == 0) return;
-  report.notes.push_back(
-      fmt::format("{} triangles have an angle below --min-angle and are not near a sharp corner: "
-                  "edges would have to be shorter than the limits allow",
-                  s.below_min_angle));
+  constexpr const char* kWhy = "edges would have to be shorter than the limits allow";
+  if (s.below_min_angle > 0) {
+    const bool is_one = s.below_min_angle == 1;
+    report.note("{} {} an angle below --min-angle and {} not near a sharp corner: {}",
+                s.below_min_angle, is_one ? "triangle has" : "triangles have",
+                is_one ? "is" : "are", kWhy);
+  }
+  if (const std::uint64_t below = s.below_floor.value_or(0)) {
+    report.note("before subdivision {} below 5°, or below half of the exact angle at a corner: {}",
+                below == 1 ? "1 angle is" : fmt::format("{} angles are", below), kWhy);
+  }
 }
 
 // The crease-exact mesher and the refiner, each on the backend asked for.

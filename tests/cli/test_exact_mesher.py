@@ -3,7 +3,25 @@
 import csv
 import math
 
+import text_report
 from program import ProgramTest
+
+
+def angles_of(path):
+    """All angles of the triangles of an OFF file, in degrees."""
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    vertices, triangles = map(int, lines[1].split()[:2])
+    at = [tuple(map(float, line.split()[:3])) for line in lines[2:2 + vertices]]
+    angles = []
+    for line in lines[2 + vertices:2 + vertices + triangles]:
+        _, *corners = map(int, line.split()[:4])
+        for k in range(3):
+            p, q, r = (at[corners[(k + i) % 3]] for i in range(3))
+            a, b = ([x - y for x, y in zip(end, p)] for end in (q, r))
+            dot = sum(x * y for x, y in zip(a, b))
+            cross = math.hypot(*(a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)))
+            angles.append(math.degrees(math.atan2(cross, dot)))
+    return angles
 
 
 class ExactMesher(ProgramTest):
@@ -161,6 +179,30 @@ class ExactMesher(ProgramTest):
         self.assert_refused(1, *ubiquitin, "--min-angle", "0", says=("--min-angle",))
         self.assert_refused(1, *ubiquitin, "--min-angle", "20", "--spacing", "1", says=("--mesher exact", "--spacing"))
         self.assert_refused(1, *ubiquitin, "--min-angle", "20", "--surface", "excluded", says=("--surface excluded",))
+
+    def test_says_how_many_angles_stay_below_their_floors(self):
+        # Balls whose spheres all but share a circle, and one that cuts them there: near_pencil() of
+        # tests/support/floor_sets.hpp.
+        rows = [(1.712963801033452, -0.0001075490012266559, 3.9792331649028919e-05, 1.2332815593305173 + 1.4),
+                (1.4586702314585918, -0.00013637510369390242, 2.0929798046333744e-05, 1.0754531742001814 + 1.4),
+                (-1.5064185260992617, 1.8210918241811882e-05, -0.00020408943538244287, 1.1038249653889807 + 1.4),
+                (0.64532273866465806, -8.291980603418556e-05, -5.6685318412767985e-05, 0.70154866015749695 + 1.4),
+                (-0.094010268838367939, 2.3694579400701921, 0.3, 0.6 + 1.4)]
+        path, mesh = self.xyzr("pencil.xyzr", rows), self.folder / "pencil.off"
+        document = self.report("mesh", path, "-o", mesh, "--mesher", "exact", "--edge-length", "0.5")
+        below = document["mesh"]["arrangement"]["below_floor"]
+        self.assertGreater(below, 1)
+        self.assertLessEqual(below, sum(angle < 5 for angle in angles_of(mesh)))
+        told = [note for note in document["notes"] if "below 5°" in note]
+        self.assertEqual(len(told), 1)
+        self.assertIn(f" {below} angles are below 5°, ", told[0])
+        # The report has the same in the text and in the proof.
+        text, document = self.text_and_document("report", path, "--mesher", "exact", "--edge-length", "0.5")
+        self.assertEqual(document["mesh"]["arrangement"]["below_floor"], below)
+        self.assertEqual(document["comparison"]["proof"]["below_floor"], below)
+        self.assertEqual([note for note in document["notes"] if "below 5°" in note], told)
+        self.assertIn(f" {below} angles below their floors, before subdivision", text)
+        self.assertEqual(text_report.TextReport(text, document).problems, [])
 
     def test_edge_lengths_as_shares_of_the_radius(self):
         alone, parameters = self.triangles_of("--relative-edge", "0.25")

@@ -245,7 +245,7 @@ class TextReport:
                 self.problems.append(line)
             return self.expect_numbers(line, text.replace(atoms["worst"], "").replace("1 Å²", ""),
                                        [100 * atoms["max"], 100 * atoms["rms"], atoms["atoms"]])
-        if text.endswith("below their floors, before subdivision"):
+        if text.endswith(("below its floor, before subdivision", "below their floors, before subdivision")):
             return self.expect_numbers(line, text, [proof["below_floor"]])
         told = {True: "those of the union", False: "NOT that of the union", None: "not computed"}
         if told[proof["topology_is_exact"]] not in text:

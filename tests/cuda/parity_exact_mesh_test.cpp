@@ -8,6 +8,7 @@
 #include "arrangement/mesher/patch_batch.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/parity.hpp"
+#include "support/floor_sets.hpp"
 #include "support/shared_files.hpp"
 #include "support/sphere_recipes.hpp"
 #include "support/xyzr.hpp"
@@ -28,6 +29,7 @@ ExactMeshStats expect_exact_parity(const SphereSet& spheres, double edge_length,
   expect_same(cpu.mesh, cuda.mesh, what);
   EXPECT_EQ(cpu.stats.exact_tests, cuda.stats.exact_tests) << what;
   EXPECT_EQ(cpu.stats.split, cuda.stats.split) << what;
+  EXPECT_EQ(cpu.stats.below_floor, cuda.stats.below_floor) << what;
   options.device_work = DeviceWork::balanced;
   const ExactMesh again = make_exact_mesher(Backend::cuda)->mesh(spheres, options);
   EXPECT_EQ(hash(cuda.mesh), hash(again.mesh)) << what << ", shared with the host";
@@ -80,6 +82,14 @@ TEST_F(ExactMeshParity, RandomAndNearlyDegenerateSets) {
   EXPECT_GT(stats.left_patches, 0u);
   EXPECT_GT(stats.device_looks, 0u);
   EXPECT_GT(stats.left_looks, 0u);
+}
+
+// What is left below the floors is counted alike. A device leaves all patches with small angles to
+// the host, so both count the same patches.
+TEST_F(ExactMeshParity, AnglesBelowTheirFloors) {
+  for (const double edge_length : {0.5, 0.35}) {
+    EXPECT_GT(expect_exact_parity(near_pencil(), edge_length, "near pencil").below_floor, 0u);
+  }
 }
 
 // The fewest batches in which a device can mesh so many patches. There may be more: an idle device
