@@ -15,6 +15,7 @@ MemoryDemand memory_of_report(const Options& options) {
   demand.surface = options.surface;
   demand.backend = resolve(options.machine.backend);
   demand.normals = options.picture.path.empty() ? Normals::none : Normals::gradients;
+  demand.half_edges_up_to = most_checked_with_cgal(options.cgal_check);
   demand.self_intersections = options.self_intersections;
   demand.cgal_check = options.cgal_check;
   demand.exact = method_for_memory(options.exact);
@@ -70,7 +71,7 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
   std::vector<LevelReport> levels;
   const MeshRequest request{
       .normals = demand.normals,
-      .half_edges_up_to = most_checked_with_cgal(options.cgal_check),
+      .half_edges_up_to = demand.half_edges_up_to,
       .on_level =
           record_levels(options.self_intersections, options.surface.subdivisions, levels, session)};
   const bool beside = demand.beside == Switch::on;

@@ -13,6 +13,7 @@
 
 #include "core/errors.hpp"
 #include "extract/area_estimate.hpp"
+#include "refine/preparation.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -65,9 +66,19 @@ std::uint64_t patch_slack(const MemoryDemand& d) {
   return excluded ? 2 * kPatchSlack : kPatchSlack;
 }
 
-// As the arrays will be laid out: refinement adds half-edges and normals, which are counted also
-// where those of the last level are not made because nobody reads them, and the mesher of patches
-// grows its arrays as it goes.
+// What a refinement of the mesh will make. That of the excluded surface leaves nothing out.
+RefineOptions refinement_of(const MemoryDemand& d) {
+  RefineOptions refine;
+  refine.subdivisions = d.surface->subdivisions;
+  if (d.surface->kind == ExactSurface::excluded) return refine;
+  refine.normals = d.normals;
+  refine.half_edges_up_to = d.half_edges_up_to;
+  return refine;
+}
+
+// As the arrays will be laid out, where the mesher of patches grows its arrays as it goes. After a
+// refinement, half-edges and normals count also where it has not made them because nobody reads
+// them: the stages behind it do not find room for all their arrays in what it has freed.
 std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
   if (d.mesh_bytes) return *d.mesh_bytes;
   const bool refined = d.surface && d.surface->subdivisions > 0;
@@ -116,8 +127,7 @@ class Estimate {
                                       : mesh.triangles / 4;  // bricks: their counts and sums
     if (d_.backend == Backend::cpu) take("extract", mesh_bytes(d_, mesh) + patches);
     if (levels > 0 && d_.backend == Backend::cpu) {
-      const std::uint64_t bytes =
-          refine_bytes(mesh.vertices, mesh.triangles, d_.spheres, levels, labels_of(d_));
+      const std::uint64_t bytes = refine_bytes(mesh, d_.spheres, refinement_of(d_), labels_of(d_));
       take("refine", static_cast<std::uint64_t>(kRefineSlack * static_cast<double>(bytes)));
     }
     mesh = subdivided(mesh, levels);

@@ -43,6 +43,7 @@ MemoryDemand memory_of_mesh(const Options& options) {
   demand.backend = resolve(options.machine.backend);
   if (!wants_half_edges(options)) {
     demand.normals = Normals::gradients;
+    demand.half_edges_up_to = 0;
     return demand;
   }
   demand.connectivity = Connectivity::half_edges;
@@ -97,7 +98,7 @@ void make(const Structure& structure, const Options& options, Made& made, Sessio
   };
   made.mesh = make_mesh(structure.spheres, options.surface, session,
                         {.connectivity = demand.connectivity,
-                         .half_edges_up_to = builds ? std::numeric_limits<std::uint64_t>::max() : 0,
+                         .half_edges_up_to = demand.half_edges_up_to,
                          .on_size = prepare});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, made.mesh, limit);

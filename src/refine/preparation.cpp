@@ -23,9 +23,19 @@
 namespace vdwmesh {
 namespace {
 
-std::uint64_t mesh_bytes(const MeshSize& s, TriangleLabels labels) {
-  return indexed_mesh_bytes(
-      s, {.connectivity = Connectivity::half_edges, .labels = labels, .width = LabelWidth::three});
+// The mesh of the last level and its parent. The parent is divided, for which it has half-edges.
+// Its normals count where the child's do: without a projection they are there at the same time.
+std::uint64_t bytes_of_meshes(const MeshSize& parent, const MeshSize& size, const RefineOptions& o,
+                              TriangleLabels labels) {
+  MeshArrays arrays{.connectivity = Connectivity::half_edges,
+                    .labels = labels,
+                    .normals = Normals::gradients,
+                    .width = LabelWidth::three};
+  if (o.subdivisions == 0) return indexed_mesh_bytes(size, arrays);
+  arrays.normals = o.normals;
+  const std::uint64_t of_parent = indexed_mesh_bytes(parent, arrays);
+  if (size.triangles > o.half_edges_up_to) arrays.connectivity = Connectivity::triangles;
+  return of_parent + indexed_mesh_bytes(size, arrays);
 }
 
 void check_options(const RefineOptions& o) {
@@ -61,11 +71,12 @@ void check_limits(std::uint64_t spheres, MeshSize size, const RefineOptions& o,
         "subdivisions, or allow crossings",
         size.triangles, PatchGrid::kMostEntries));
   }
-  const std::uint64_t bytes =
-      refine_bytes(given.vertices, given.triangles, spheres, o.subdivisions, labels);
+  const std::uint64_t bytes = refine_bytes(given, spheres, o, labels);
   if (bytes <= o.memory_limit) return;
   const auto fits = [&](int levels) {
-    return refine_bytes(given.vertices, given.triangles, spheres, levels, labels) <= o.memory_limit;
+    RefineOptions fewer = o;
+    fewer.subdivisions = levels;
+    return refine_bytes(given, spheres, fewer, labels) <= o.memory_limit;
   };
   int fitting = o.subdivisions - 1;
   while (fitting > 0 && !fits(fitting)) --fitting;
@@ -154,7 +165,9 @@ void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
 }
 
 IndexedMesh prepare_mesh(IndexedMesh mesh, const RefineOptions& options) {
-  if (options.projection != Projection::none || options.normals == Normals::none) mesh.normals = {};
+  const bool is_projected = options.projection != Projection::none;
+  // `= {}` would leave an array without elements its memory.
+  if (is_projected || options.normals == Normals::none) mesh.normals = Buffer<Vec3f>();
   if (options.subdivisions > 0) mesh.opposite = find_opposite(mesh);
   if (mesh.vertex_spheres.empty()) {
     mesh.vertex_spheres.assign(mesh.vertex_count(), on_sphere(kNoSphere));
@@ -165,12 +178,19 @@ IndexedMesh prepare_mesh(IndexedMesh mesh, const RefineOptions& options) {
 
 std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
                            int subdivisions, TriangleLabels labels) {
-  const MeshSize given{vertices, triangles};
+  RefineOptions all;
+  all.subdivisions = subdivisions;
+  return refine_bytes({vertices, triangles}, spheres, all, labels);
+}
+
+std::uint64_t refine_bytes(const MeshSize& given, std::uint64_t spheres,
+                           const RefineOptions& options, TriangleLabels labels) {
+  const int subdivisions = options.subdivisions;
   const MeshSize parent = subdivisions > 0 ? subdivided(given, subdivisions - 1) : MeshSize{};
   const MeshSize size = subdivided(given, subdivisions);
   // Besides the two meshes, the numbers of the parent's edges, one per half-edge.
   const std::uint64_t edges = parent.triangles * 3 * sizeof(std::uint32_t);
-  const std::uint64_t meshes = mesh_bytes(parent, labels) + mesh_bytes(size, labels) + edges;
+  const std::uint64_t meshes = bytes_of_meshes(parent, size, options, labels) + edges;
   if (labels == TriangleLabels::spheres) return meshes;
   // `marks`: one byte per vertex for its MoveState, and 8 per given vertex for its longest edge.
   // `grid`: the grid in which crossings are looked for, with a box of 24 bytes per patch, two cells
@@ -180,20 +200,26 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
   // `list`: the cell list. It has the sphere and four integers per sphere, among them rank and id,
   // and the starts of its cells: each of its levels has at most 4096 cells, or 8 per sphere of the
   // level if that is more.
-  const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
+  const std::uint64_t marks = size.vertices + given.vertices * sizeof(std::uint64_t);
   // Its triangles are the patches, and its vertices their corners.
   const MeshSize patched = subdivided(given, std::max(0, subdivisions - 2));
   const std::uint64_t of_parts = subdivisions < 2 ? 0 : sizeof(PartBoxes);
   const std::uint64_t grid = patched.triangles * (24 + 2 * (4 + 1) + 3 * 4 + 1 + of_parts);
   // `fans`: state and direction of the fan of each corner of patches, and what is known of each
-  // patch. Level 0 has none. Lists of patches and cells that a pass has chosen are left out.
+  // patch. Level 0 has none.
   const std::uint64_t fans = subdivisions == 0
                                  ? 0
                                  : patched.vertices * (sizeof(std::uint64_t) + sizeof(Vec3f)) +
                                        patched.triangles * sizeof(StarFans::Judgement);
+  // `chosen`: numbers of 8 bytes of the patches and cells that a pass has chosen, two for each
+  // patch, which is more than crowds of balls at random need. `copies`: places and labels of
+  // vertices, from which level 0 puts them back.
+  const std::uint64_t chosen = patched.triangles * 2 * sizeof(std::size_t);
+  const std::uint64_t copies =
+      subdivisions > 0 ? 0 : size.vertices * (sizeof(Vec3d) + label_bytes(LabelWidth::three));
   const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
-  return meshes + marks + grid + fans + list;
+  return meshes + marks + grid + fans + chosen + copies + list;
 }
 
 FieldModel projection_model(const RefineOptions& o) {

@@ -11,6 +11,13 @@
 
 namespace vdwmesh {
 
+// The same as refine_bytes() of refiner.hpp, less what these options leave out: normals, and the
+// half-edges of the last level. A mesh that is not subdivided counts with all arrays, since it is
+// the caller's.
+std::uint64_t refine_bytes(const MeshSize& given, std::uint64_t spheres,
+                           const RefineOptions& options,
+                           TriangleLabels labels = TriangleLabels::none);
+
 // Checks everything that can be checked before memory is taken, except that the mesh is closed.
 // Throws InvalidInput for options out of range and for a mesh whose arrays do not fit each other or
 // the spheres, LimitExceeded if a level would have too many elements or the memory limit is too
