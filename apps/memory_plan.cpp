@@ -18,7 +18,7 @@
 namespace vdwmesh::apps {
 namespace {
 
-constexpr std::uint64_t kProgram = std::uint64_t{17} << 20;  // itself, libraries, threads
+constexpr std::uint64_t kProgram = std::uint64_t{19} << 20;  // itself, libraries, threads
 constexpr std::uint64_t kReading = 1250;                     // bytes per atom, at the most
 constexpr std::uint64_t kBytesPerAtom = 450;                 // atoms, names, spheres, cell lists
 constexpr double kRefineSlack = 1.15;  // of refine_bytes(): what the allocator holds on to
