@@ -1,13 +1,14 @@
 // Speed of the crease-exact mesher, and CGAL's Union_of_balls_3 beside it.
 //
-//   exact_mesh_bench [--edge-length H]... [--threads N]... [--backend cpu|cuda]... [--rounds]
-//   [--cgal] STRUCTURE...
+//   exact_mesh_bench [--edge-length H]... [--threads N]... [--backend cpu|cuda|device]...
+//   [--levels L] [--rounds] [--cgal] STRUCTURE...
 //
 // A line per structure, edge length and number of threads: wall and CPU seconds (the least of three
 // runs), triangles per CPU second, the arrangement's part, and the growth of the peak memory. With
 // CUDA also the patches that the device meshed and that it left to the host, the boundaries that it
 // looked at and that it left, and whether the mesh has the bits of the backend before it in the
-// list.
+// list. `device` is the CUDA backend with balls and mesh in the device's memory
+// (exact_mesh_on_device()). --levels refines the mesh as well.
 // --rounds says how long each round of meshing took, --cgal meshes the first structure with CGAL
 // and one subdivision as well.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -33,6 +34,7 @@
 
 #include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
+#include "cuda/on_device.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh {
@@ -110,39 +112,83 @@ SphereSet read(const std::string& path) {
   return SphereSet(std::move(spheres));
 }
 
-IndexedMeshHash run(const std::string& path, const SphereSet& spheres, double edge_length,
-                    int threads, Backend backend, bool with_rounds) {
+// Meshes and refines the spheres, each time by the same way.
+class Mesher {
+ public:
+  Mesher(const std::string& backend, const SphereSet& spheres, int levels) : spheres_(spheres) {
+    refine_.subdivisions = levels;
+    const Backend chosen = backend == "cpu" ? Backend::cpu : Backend::cuda;
+    mesher_ = make_exact_mesher(chosen);
+    refiner_ = make_refiner(chosen);
+    if (backend == "device") balls_.emplace(spheres);
+  }
+
+  void mesh(const ExactMeshOptions& options) {
+    if (balls_) {
+      there_.reset();  // as whoever has one mesh after the other
+      there_.emplace(exact_mesh_on_device(*balls_, options, refine_));
+      return;
+    }
+    made_ = {};
+    made_ = mesher_->mesh(spheres_, options);
+    if (refine_.subdivisions == 0) return;
+    made_.mesh = std::move(refiner_->refine(spheres_, std::move(made_.mesh), refine_).mesh);
+  }
+  const ExactMeshStats& stats() const { return there_ ? there_->stats : made_.stats; }
+  // Of the mesh made last, on the host, without half-edges.
+  IndexedMesh take() {
+    IndexedMesh mesh = there_ ? there_->mesh.download() : std::move(made_.mesh);
+    mesh.opposite = {};
+    return mesh;
+  }
+
+ private:
+  const SphereSet& spheres_;
+  RefineOptions refine_;
+  std::unique_ptr<ExactMesher> mesher_;
+  std::unique_ptr<Refiner> refiner_;
+  ExactMesh made_;
+  std::optional<DeviceFrames> balls_;
+  std::optional<CudaExactMesh> there_;
+};
+
+struct How {
+  double edge_length;
+  int threads, levels;
+  std::string backend;
+  bool with_rounds;
+};
+
+IndexedMeshHash run(const std::string& path, const SphereSet& spheres, const How& how) {
   constexpr int kRuns = 3;
-  const std::unique_ptr<ExactMesher> mesher = make_exact_mesher(backend);
-  ExactMeshStats stats;
-  IndexedMeshHash bits{};
+  Mesher mesher(how.backend, spheres, how.levels);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(threads));
+                                  static_cast<std::size_t>(how.threads));
   Seconds best{1e300, 1e300};
-  double arrangement = 1e300, triangles = 0;
+  double arrangement = 1e300;
   const double before = peak_bytes();
   for (int i = 0; i < kRuns; ++i) {
-    ExactMesh made;
     RoundClock clock;
-    ExactMeshOptions options{.edge_length = edge_length};
-    if (with_rounds) options.monitor = &clock;
-    const Seconds seconds = timed([&] { made = mesher->mesh(spheres, options); });
-    if (with_rounds && i + 1 == kRuns) clock.print();
-    triangles = static_cast<double>(made.mesh.triangle_count());
-    arrangement = std::min(arrangement, made.stats.arrangement_seconds);
-    stats = made.stats;
-    bits = hash(made.mesh);
+    ExactMeshOptions options{.edge_length = how.edge_length};
+    if (how.with_rounds) options.monitor = &clock;
+    const Seconds seconds = timed([&] { mesher.mesh(options); });
+    if (how.with_rounds && i + 1 == kRuns) clock.print();
+    arrangement = std::min(arrangement, mesher.stats().arrangement_seconds);
     best = {std::min(best.wall, seconds.wall), std::min(best.cpu, seconds.cpu)};
   }
+  const double peak = peak_bytes();
+  const IndexedMesh mesh = mesher.take();
+  const auto triangles = static_cast<double>(mesh.triangle_count());
   fmt::print("{:<12} {:>5} {:>3} {:>10.0f} {:>8.3f} {:>8.3f} {:>10.0f} {:>10.1f} {:>8.1f}",
-             path.substr(path.find_last_of('/') + 1), edge_length, threads, triangles, best.wall,
-             best.cpu, triangles / best.cpu, 100 * arrangement / best.wall,
-             (peak_bytes() - before) / triangles);
-  if (backend == Backend::cuda) {
-    fmt::print(" cuda: {} patches, {} left, {} looks, {} left", stats.device_patches,
+             path.substr(path.find_last_of('/') + 1), how.edge_length, how.threads, triangles,
+             best.wall, best.cpu, triangles / best.cpu, 100 * arrangement / best.wall,
+             (peak - before) / triangles);
+  const ExactMeshStats& stats = mesher.stats();
+  if (how.backend != "cpu") {
+    fmt::print(" {}: {} patches, {} left, {} looks, {} left", how.backend, stats.device_patches,
                stats.left_patches, stats.device_looks, stats.left_looks);
   }
-  return bits;
+  return hash(mesh);
 }
 
 void run_cgal(const SphereSet& spheres) {
@@ -170,7 +216,8 @@ int main(int argc, char** argv) {
   std::vector<double> edge_lengths;
   std::vector<int> threads;
   std::vector<std::string> paths;
-  std::vector<vdwmesh::Backend> backends;
+  std::vector<std::string> backends;
+  int levels = 0;
   bool with_cgal = false, with_rounds = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view argument = argv[i];
@@ -179,8 +226,9 @@ int main(int argc, char** argv) {
     } else if (argument == "--threads" && i + 1 < argc) {
       threads.push_back(std::stoi(argv[++i]));
     } else if (argument == "--backend" && i + 1 < argc) {
-      backends.push_back(std::string_view(argv[++i]) == "cuda" ? vdwmesh::Backend::cuda
-                                                               : vdwmesh::Backend::cpu);
+      backends.emplace_back(argv[++i]);
+    } else if (argument == "--levels" && i + 1 < argc) {
+      levels = std::stoi(argv[++i]);
     } else if (argument == "--rounds") {
       with_rounds = true;
     } else if (argument == "--cgal") {
@@ -191,7 +239,7 @@ int main(int argc, char** argv) {
   }
   if (edge_lengths.empty()) edge_lengths = {0.35};
   if (threads.empty()) threads = {1, 2};
-  if (backends.empty()) backends = {vdwmesh::Backend::cpu};
+  if (backends.empty()) backends = {"cpu"};
   fmt::print("{:<12} {:>5} {:>3} {:>10} {:>8} {:>8} {:>10} {:>10} {:>8}\n", "structure", "Å", "thr",
              "triangles", "wall s", "CPU s", "tri/CPU s", "arrange %", "bytes/t");
   for (const std::string& path : paths) {
@@ -199,9 +247,9 @@ int main(int argc, char** argv) {
     for (const double edge_length : edge_lengths) {
       for (const int n : threads) {
         std::optional<vdwmesh::IndexedMeshHash> before;
-        for (const vdwmesh::Backend backend : backends) {
+        for (const std::string& backend : backends) {
           const vdwmesh::IndexedMeshHash bits =
-              vdwmesh::run(path, spheres, edge_length, n, backend, with_rounds);
+              vdwmesh::run(path, spheres, {edge_length, n, levels, backend, with_rounds});
           fmt::print("{}\n", !before ? "" : (bits == *before ? " same bits" : " OTHER BITS"));
           before = bits;
         }

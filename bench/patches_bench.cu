@@ -61,8 +61,11 @@ class MeasuringDevice final : public PatchDevice {
     });
   }
   void look(const LookOrder&) override {}  // all boundaries are left to the host
+  std::size_t threads() const override { return 1; }
   std::uint64_t batches() const override { return 0; }
   void place(const PatchPlaces&, IndexedMesh&) override {}  // it keeps nothing
+  bool keeps_mesh() const override { return false; }
+  void assemble(const MeshParts&) override {}
   void forget() override {}
 
  private:
@@ -82,7 +85,7 @@ class MeasuringDevice final : public PatchDevice {
   void mesh_on_device(std::span<PatchJob> jobs, double host, std::size_t host_triangles) {
     std::vector<std::uint32_t> which;
     for (std::uint32_t j = 0; j < jobs.size(); ++j) {
-      if (is_for_device(sizes_of(jobs[j]))) which.push_back(j);
+      if (is_for_device(jobs[j].sizes)) which.push_back(j);
     }
     const PatchBatch batch(jobs, which);
     const auto count = static_cast<std::uint32_t>(batch.patches().size());

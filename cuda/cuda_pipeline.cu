@@ -5,27 +5,13 @@
 
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
-#include "cuda/memory/device_result.cuh"
+#include "cuda/memory/device_mesh.cuh"
 #include "cuda/on_device.hpp"
 #include "cuda/refine/device_refinement.cuh"
 #include "cuda/spheres/device_frames.cuh"
 #include "refine/preparation.hpp"
 
 namespace vdwmesh {
-
-struct CudaMesh::Data : DeviceResult<DeviceMesh> {
-  Data(int on, DeviceMesh made) : DeviceResult(on, std::move(made)) {
-    const DeviceMesh& mesh = arrays();
-    view = {on,
-            mesh.vertex_count(),
-            mesh.triangle_count(),
-            mesh.positions.data(),
-            mesh.normals.data(),
-            mesh.vertex_spheres.atoms.data(),
-            mesh.corners.data()};
-  }
-  CudaMeshArrays view;
-};
 
 namespace {
 
@@ -59,7 +45,9 @@ class SpheresOnDevice {
   std::size_t size() const { return balls_.atoms; }
   const Stream& stream() const { return balls_.work(); }
   DeviceCellList list(const FieldModel& model) const { return build_cell_list(balls_, model); }
-  DeviceSurface surface(const RefineOptions& options) const { return {balls_, options}; }
+  DeviceSurface surface(const RefineOptions& options) const {
+    return {balls_, options, TriangleLabels::none};
+  }
 
  private:
   const DeviceFrames::Data& balls_;
@@ -142,15 +130,7 @@ CudaMesh mesh_on_device(const DeviceFrames& spheres, const ExtractOptions& extra
   const DeviceScope scope(device);
   DeviceMesh mesh = run_on_device(spheres, extract, refine);
   spheres.data().work().wait();
-  return CudaMesh(std::make_shared<const CudaMesh::Data>(device, std::move(mesh)));
-}
-
-const CudaMeshArrays& CudaMesh::arrays() const { return data_->view; }
-
-IndexedMesh CudaMesh::download() const {
-  const DeviceScope scope(data_->device());
-  const Stream stream;
-  return vdwmesh::download(data_->arrays().view(), Connectivity::triangles, stream);
+  return kept_mesh(device, std::move(mesh));
 }
 
 }  // namespace vdwmesh

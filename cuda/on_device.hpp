@@ -1,7 +1,8 @@
 // Computations whose input and results stay in the memory of a CUDA device: atoms come in arrays
 // that lie there, and meshes and measures are left there for the caller's own kernels.
 //
-// Only what the host needs to decide comes to it: the box around the atoms, counts, and the checks.
+// Only what the host needs to decide comes to it: the box around the atoms, counts, and the checks;
+// for crease-exact meshes the balls, which the host arranges.
 // Calls return when the device is done, so any stream may use a result at once. A result frees its
 // memory in the order of the device's legacy default stream: after all work that was started on
 // that stream, or on a blocking one, before. Who uses it on a non-blocking stream keeps the result
@@ -13,9 +14,11 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "arrangement/exact_mesher.hpp"
 #include "arrangement/frame_measures.hpp"
 #include "extract/extractor.hpp"
 #include "refine/refiner.hpp"
@@ -55,6 +58,9 @@ class DeviceFrames {
                double probe);
   DeviceFrames(int device, const FrameCoordinates& centers, std::span<const double> radii,
                double probe);
+  // Copies balls of the host, as one frame, to the current device of the calling thread, or to the
+  // first usable one if that is not usable.
+  explicit DeviceFrames(const SphereSet& balls);
 
   std::size_t atoms() const;
   // Frames before the first invalid one, and why that one is invalid; empty if none is.
@@ -77,10 +83,11 @@ class DeviceFrames {
 struct CudaMeshArrays {
   int device = 0;
   std::size_t vertices = 0, triangles = 0;
-  const Vec3d* positions = nullptr;        // Å
-  const Vec3f* normals = nullptr;          // null without normals
-  const SphereId* atoms = nullptr;         // the first sphere of each vertex's label
-  const std::uint32_t* corners = nullptr;  // 3 for each triangle
+  const Vec3d* positions = nullptr;          // Å
+  const Vec3f* normals = nullptr;            // null without normals
+  const SphereId* atoms = nullptr;           // the first sphere of each vertex's label
+  const SphereId* triangle_atoms = nullptr;  // the sphere of each triangle; null of marching cubes
+  const std::uint32_t* corners = nullptr;    // 3 for each triangle
 };
 
 // A mesh in device memory. Copies share the arrays; the last one frees them.
@@ -103,6 +110,28 @@ class CudaMesh {
 // Throws as the pipeline for Backend::cuda does; InvalidFrame if the frame is invalid.
 CudaMesh mesh_on_device(const DeviceFrames& spheres, const ExtractOptions& extract,
                         const RefineOptions& refine);
+
+// A crease-exact mesh in device memory.
+struct CudaExactMesh {
+  CudaMesh mesh;  // with triangle_atoms
+  ExactMeshStats stats;
+  std::vector<ProjectionStats> levels;  // of the refinement; empty without
+  // Why the host has made the mesh and copied it to the device; empty if it has not.
+  std::string fallback;
+};
+
+// The crease-exact mesh of the balls of the first frame, refined if there is a subdivision. The
+// arrays are those that make_exact_mesher() and make_refiner() of Backend::cuda make on the host,
+// bit for bit. The balls travel to the host, which arranges them and settles how arcs are sampled;
+// patches are put together where the device has meshed them, and half-edges, midpoints and normals
+// of a refinement are made there. The host makes the mesh if features of the boundary were reduced
+// to points (ExactMeshStats) or angles are bounded, and copies it to the device, which refines it.
+// Of `refine`, the limit of host memory, the frame of cell lists and the workspace have no meaning,
+// and the surface is that of the balls or none. Throws as the mesher and the refiner do,
+// DeviceMemoryExceeded if the mesh does not fit the device beside the patches that it keeps until
+// they are put together, InvalidFrame if the frame is invalid.
+CudaExactMesh exact_mesh_on_device(const DeviceFrames& spheres, const ExactMeshOptions& exact,
+                                   const RefineOptions& refine);
 
 // The measures of the balls of several frames in device memory: rows of frames × atoms. Copies
 // share the array.

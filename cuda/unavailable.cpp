@@ -45,6 +45,7 @@ DeviceFrames::DeviceFrames(int, const FrameCoordinates&, const DeviceNumbers&, d
 DeviceFrames::DeviceFrames(int, const FrameCoordinates&, std::span<const double>, double) {
   throw BackendUnavailable(kReason);
 }
+DeviceFrames::DeviceFrames(const SphereSet&) { throw BackendUnavailable(kReason); }
 std::size_t DeviceFrames::atoms() const { throw BackendUnavailable(kReason); }
 std::size_t DeviceFrames::valid_frames() const { throw BackendUnavailable(kReason); }
 const std::optional<InvalidFrame>& DeviceFrames::invalid() const {
@@ -54,6 +55,10 @@ const Box& DeviceFrames::balls() const { throw BackendUnavailable(kReason); }
 const Box& DeviceFrames::centers() const { throw BackendUnavailable(kReason); }
 double DeviceFrames::least_radius() const { throw BackendUnavailable(kReason); }
 CudaMesh mesh_on_device(const DeviceFrames&, const ExtractOptions&, const RefineOptions&) {
+  throw BackendUnavailable(kReason);
+}
+CudaExactMesh exact_mesh_on_device(const DeviceFrames&, const ExactMeshOptions&,
+                                   const RefineOptions&) {
   throw BackendUnavailable(kReason);
 }
 const CudaMeshArrays& CudaMesh::arrays() const { throw BackendUnavailable(kReason); }

@@ -127,7 +127,7 @@ bool DeviceBrickMesher::fits(std::uint64_t bytes) const {
 void DeviceBrickMesher::throw_no_room(std::uint64_t need) const {
   throw DeviceMemoryExceeded("extraction needs " + std::to_string(need) +
                              " bytes of device memory, " + std::to_string(room()) +
-                             " are available: choose a larger spacing or the cpu backend");
+                             " are available: choose a coarser mesh or the cpu backend");
 }
 
 std::uint64_t DeviceBrickMesher::field_bytes(std::uint64_t bricks) const {

@@ -1,5 +1,5 @@
-// Copies cell lists to a device, allocates the arrays of meshes there, and copies meshes back to
-// the host. Also says how much memory of the device is left.
+// Copies cell lists to a device, allocates the arrays of meshes there, and copies meshes there and
+// back to the host. Also says how much memory of the device is left.
 #include <algorithm>
 #include <string>
 
@@ -58,6 +58,25 @@ void DeviceMesh::give_back_on(cudaStream_t stream) {
   triangle_spheres.give_back_on(stream);
 }
 
+DeviceMesh upload_mesh(const IndexedMesh& host, const Stream& stream) {
+  DeviceMesh mesh;
+  std::vector<UploadPart> parts;
+  const auto add = [&]<class T>(DeviceArray<T>& to, const void* from, std::size_t size) {
+    to = DeviceArray<T>(size, stream.get());
+    parts.push_back({to.data(), from, to.bytes()});
+  };
+  const VertexLabels& labels = host.vertex_spheres;
+  add(mesh.positions, host.positions.data(), host.positions.size());
+  add(mesh.normals, host.normals.data(), host.normals.size());
+  add(mesh.vertex_spheres.atoms, labels.atoms.data(), labels.atoms.size());
+  add(mesh.vertex_spheres.others, labels.others.data(), labels.others.size());
+  add(mesh.corners, host.triangles.data(), 3 * host.triangles.size());
+  add(mesh.triangle_spheres, host.triangle_spheres.data(), host.triangle_spheres.size());
+  add(mesh.opposite, host.opposite.data(), host.opposite.size());
+  upload_parts(parts, stream);
+  return mesh;
+}
+
 void download_into(IndexedMesh& host, const DeviceMeshView& mesh, Connectivity connectivity,
                    const Stream& stream) {
   make_room(
@@ -101,7 +120,7 @@ void require_device_memory(std::uint64_t bytes, const char* what, std::uint64_t 
   if (bytes <= available) return;
   throw DeviceMemoryExceeded(std::string(what) + " needs " + std::to_string(bytes) +
                              " bytes of device memory, " + std::to_string(available) +
-                             " are available: choose a larger spacing or the cpu backend");
+                             " are available: choose a coarser mesh or the cpu backend");
 }
 
 }  // namespace vdwmesh

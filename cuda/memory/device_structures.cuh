@@ -134,6 +134,9 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const Extra
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
                             const Stream& stream);
 
+// A copy of a mesh of the host, with all its arrays.
+DeviceMesh upload_mesh(const IndexedMesh& host, const Stream& stream);
+
 // Copies the mesh to the host, into the memory of the arrays of `host`. Half-edges are copied if
 // `connectivity` asks for them; the mesh must have them then.
 void download_into(IndexedMesh& host, const DeviceMeshView& mesh, Connectivity connectivity,

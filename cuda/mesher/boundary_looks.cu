@@ -14,6 +14,7 @@
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
+#include "cuda/memory/waits.cuh"
 #include "cuda/mesher/batch_rooms.cuh"
 #include "cuda/mesher/boundary_looks.cuh"
 
@@ -76,6 +77,7 @@ void look_at_batch(const LookOrder& order, std::size_t first, std::size_t end,
          count, LookMemory{device_input.data(), device_states.data(), work.data()},
          device_outcomes.data(), device_requests.data(), request_count.data());
   // Waits before the transfer, not within it, as in mesh_batch().
+  wait_asleep(stream);
   const std::uint32_t found = fetch(request_count.data(), stream);
   PatchOutcome* const outcomes = room.outcomes.take(count);
   std::byte* const states = room.states.take(batch.state_bytes());

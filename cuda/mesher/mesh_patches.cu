@@ -76,6 +76,38 @@ __global__ void place(const PlacedPatch* patches, std::uint32_t count,
   }
 }
 
+__device__ void write(const BoundaryVertex& from, std::uint64_t v, const DeviceMeshView& to) {
+  to.positions[v] = from.position;
+  to.normals[v] = from.normal;
+  to.vertex_spheres.set(v, from.label);
+}
+
+// A thread for each corner; these are the first vertices.
+__global__ void place_corners(PlacedBoundary all, DeviceMeshView to) {
+  const std::uint64_t i = thread_index();
+  if (i >= all.corner_count) return;
+  const BoundaryCorner& corner = all.corners[i];
+  write(boundary_vertex(corner.position, corner.balls, all.balls), i, to);
+}
+
+// A warp for each arc. Angles are those of ArcSampling::point().
+__global__ void place_arcs(PlacedBoundary all, DeviceMeshView to) {
+  const std::uint64_t a = thread_index() / 32;
+  if (a >= all.arc_count) return;
+  const BoundaryArc& arc = all.arcs[a];
+  const std::uint32_t pieces = all.pieces[a], first = arc.is_circle() ? 0 : 1,
+                      parts = all.first_parts[a];
+  for (std::uint32_t k = first + threadIdx.x % 32; k < pieces; k += 32) {
+    double part = 0;
+    if (k > 0) {
+      part = parts == kNoIndex ? static_cast<double>(k) / pieces : all.parts[parts + k - 1];
+    }
+    const Vec3d p = arc.at(arc.sweep * part);
+    write(boundary_vertex(p, {arc.balls[0], arc.balls[1], kNoIndex}, all.balls),
+          std::uint64_t{all.first_vertices[a]} + k - first, to);
+  }
+}
+
 }  // namespace
 
 void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,
@@ -97,6 +129,13 @@ void place_patches(const PlacedPatch* patches, std::uint32_t count,
                    const Stream& stream) {
   launch("place_patches", place, over(32 * std::uint64_t{count}, 128), stream, patches, count,
          first_vertices, unit, part);
+}
+
+void place_boundary(const PlacedBoundary& boundary, const DeviceMeshView& mesh,
+                    const Stream& stream) {
+  launch("place_corners", place_corners, over(boundary.corner_count, 256), stream, boundary, mesh);
+  launch("place_arcs", place_arcs, over(32 * std::uint64_t{boundary.arc_count}, 256), stream,
+         boundary, mesh);
 }
 
 }  // namespace vdwmesh::mesher

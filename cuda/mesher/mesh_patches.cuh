@@ -1,11 +1,12 @@
 // Kernels that mesh patches (arrangement/mesher/bounded_patch.hpp), gather what came out, and write
-// it into a mesh.
+// it and the boundaries between patches into a mesh.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "arrangement/mesher/boundary_vertex.hpp"
 #include "arrangement/mesher/bounded_patch.hpp"
 #include "cuda/memory/device_structures.cuh"
 
@@ -61,5 +62,22 @@ struct PlacedPatch {
 void place_patches(const PlacedPatch* patches, std::uint32_t count,
                    const std::uint32_t* first_vertices, double unit, const DeviceMeshView& part,
                    const Stream& stream);
+
+// The corners and arcs of a whole mesh, in device memory: BoundaryArcs, and ArcSampling with
+// numbered vertices.
+struct PlacedBoundary {
+  BallsView balls;
+  const BoundaryCorner* corners;
+  const BoundaryArc* arcs;
+  std::uint32_t corner_count, arc_count;
+  const std::uint32_t* pieces;          // of each arc
+  const std::uint32_t* first_vertices;  // ArcSampling::first_vertices()
+  const std::uint32_t* first_parts;     // ArcSampling::Parts
+  const double* parts;
+};
+
+// Writes corners and sample points of arcs into a whole mesh, as MeshPlacement does.
+void place_boundary(const PlacedBoundary& boundary, const DeviceMeshView& mesh,
+                    const Stream& stream);
 
 }  // namespace vdwmesh::mesher

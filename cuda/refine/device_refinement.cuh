@@ -36,9 +36,10 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
                                   std::uint64_t pairs_at_once = kPairsAtOnce);
 
 // Refines `mesh`, whose arrays it takes over. It takes the steps of the CPU refiner with the same
-// formulas in the same order, so the result has the same bits. Precondition: `mesh` has half-edges
-// if options.subdivisions > 0. Throws DeviceMemoryExceeded, before it takes memory if the estimate
-// of device_refine_bytes() is not available or allowed.
+// formulas in the same order, so the result has the same bits. Half-edges are found here if they
+// are needed and missing. Throws InvalidInput if the mesh is not closed then, and
+// DeviceMemoryExceeded, before it takes memory if the estimate of device_refine_bytes() is not
+// available or allowed.
 DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
                                   const RefineOptions& options, const Stream& stream,
                                   std::uint64_t pairs_at_once = kPairsAtOnce);
@@ -50,9 +51,9 @@ class DeviceSurface {
   // Throws InvalidInput for invalid options.
   DeviceSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
                 Workspace& workspace, const Stream& stream);
-  // The same for balls that are in device memory, for a mesh without triangle labels that is
-  // projected. The surface looks at the balls.
-  DeviceSurface(const DeviceFrames::Data& balls, const RefineOptions& options);
+  // The same for the balls of the first frame in device memory, at which the surface looks.
+  DeviceSurface(const DeviceFrames::Data& balls, const RefineOptions& options,
+                TriangleLabels labels);
   const SurfaceView& view() const { return view_; }
 
  private:

@@ -10,6 +10,7 @@
 
 #include "cuda/refine/device_crossings.cuh"
 #include "cuda/refine/device_refinement.cuh"
+#include "cuda/refine/half_edges.cuh"
 #include "cuda/refine/make_vertices.cuh"
 
 namespace vdwmesh {
@@ -263,6 +264,9 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
   require_device_memory(device_refine_bytes(given.vertices, given.triangles, options,
                                             mesh.triangle_labels(), pairs_at_once),
                         "refinement", options.device_memory);
+  if (options.subdivisions > 0 && mesh.opposite.size() == 0) {
+    mesh.opposite = find_opposite_on_device(mesh.view(), stream);
+  }
   DeviceRefinement result;
   StageClock clock(stream.get());
   GrowingMesh growing = with_room(std::move(mesh), options.projection,

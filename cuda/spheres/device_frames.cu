@@ -194,6 +194,26 @@ DeviceFrames::DeviceFrames(int device, const FrameCoordinates& centers,
   data_ = made(device, centers, {}, radii, probe);
 }
 
+DeviceFrames::DeviceFrames(const SphereSet& balls) {
+  const DeviceScope scope;
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  const Stream stream;
+  const DeviceArray<Sphere> rows = upload(balls.spheres().data(), balls.size(), stream.get());
+  stream.wait();
+  const auto* const first = reinterpret_cast<const std::byte*>(rows.data());
+  constexpr auto kRow = static_cast<std::ptrdiff_t>(sizeof(Sphere));
+  static_assert(sizeof(Sphere) == 4 * sizeof(double));
+  data_ = made(device,
+               {.first = first,
+                .frames = 1,
+                .atoms = balls.size(),
+                .frame_stride = 0,
+                .atom_stride = kRow,
+                .axis_stride = sizeof(double)},
+               {first + offsetof(Sphere, radius), CoordinateType::float64, kRow}, {}, 0);
+}
+
 std::size_t DeviceFrames::atoms() const { return data_->atoms; }
 std::size_t DeviceFrames::valid_frames() const { return data_->valid_frames; }
 const std::optional<InvalidFrame>& DeviceFrames::invalid() const { return data_->invalid; }

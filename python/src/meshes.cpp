@@ -122,15 +122,20 @@ RefineOptions refinement(const Request& request, Monitor& monitor) {
   return refine;
 }
 
+// It looks at the edge lengths of the request.
+ExactMeshOptions exact_options(const Request& request, Monitor& monitor) {
+  return {.edge_length = request.edge_length,
+          .edge_lengths = request.edge_lengths,
+          .min_angle = request.min_angle,
+          .memory_limit = apps::default_memory_limit(),
+          .monitor = &monitor};
+}
+
 // The crease-exact mesher and the refiner, each on the device asked for.
 IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monitor& monitor) {
   const RefineOptions refine = refinement(request, monitor);
-  const ExactMeshOptions options{.edge_length = request.edge_length,
-                                 .edge_lengths = request.edge_lengths,
-                                 .min_angle = request.min_angle,
-                                 .memory_limit = refine.memory_limit,
-                                 .monitor = &monitor};
-  IndexedMesh mesh = std::move(make_exact_mesher(request.backend)->mesh(spheres, options).mesh);
+  const auto mesher = make_exact_mesher(request.backend);
+  IndexedMesh mesh = std::move(mesher->mesh(spheres, exact_options(request, monitor)).mesh);
   if (request.subdivisions == 0) return mesh;
   return std::move(make_refiner(request.backend)->refine(spheres, std::move(mesh), refine).mesh);
 }
@@ -280,15 +285,14 @@ void require_valid(const DeviceFrames& balls) {
 CudaMeshHandle mesh_there(const py::tuple& coords, const py::object& radii, double probe,
                           std::optional<int> threads, const py::kwargs& given) {
   const Request request = request_of(given);
-  if (request.exact) {
-    throw BackendUnavailable(
-        "mesher: the exact mesher computes on the CPU; choose marching-cubes, or copy the "
-        "coordinates to the host");
-  }
   const DeviceFrames balls = frames_of(coords, radii, 1, probe);
   require_valid(balls);
-  CudaMesh mesh =
-      call(threads, [&](Monitor& monitor) { return march_on_device(balls, request, monitor); });
+  CudaMesh mesh = call(threads, [&](Monitor& monitor) {
+    if (!request.exact) return march_on_device(balls, request, monitor);
+    return exact_mesh_on_device(balls, exact_options(request, monitor),
+                                refinement(request, monitor))
+        .mesh;
+  });
   return {std::move(mesh), request.normals};
 }
 
@@ -396,6 +400,13 @@ CudaArray vertex_atoms_there(const CudaMeshHandle& h) {
   return there(h.mesh, h.mesh.arrays().atoms, h.mesh.arrays().vertices, 0);
 }
 
+// Of the crease-exact mesher.
+std::optional<CudaArray> face_atoms_there(const CudaMeshHandle& h) {
+  const CudaMeshArrays& arrays = h.mesh.arrays();
+  if (arrays.triangle_atoms == nullptr) return std::nullopt;
+  return there(h.mesh, arrays.triangle_atoms, arrays.triangles, 0);
+}
+
 MeshHandle downloaded(const CudaMeshHandle& h) {
   const py::gil_scoped_release free;
   IndexedMesh mesh = h.mesh.download();
@@ -424,6 +435,7 @@ void bind_meshes(py::module_& module) {
       .def("faces", &faces_there)
       .def("normals", &normals_there)
       .def("vertex_atoms", &vertex_atoms_there)
+      .def("face_atoms", &face_atoms_there)
       .def("download", &downloaded);
   py::class_<MeshHandle>(module, "MeshHandle")
       .def("vertices", &vertices)

@@ -99,21 +99,27 @@ class CudaMesh:
     faces : CudaArray of uint32, shape (F, 3)
     normals : CudaArray of float32, shape (V, 3), or None
     vertex_atoms : CudaArray of uint32, shape (V,)
+    face_atoms : CudaArray of uint32, shape (F,), or None
+        Of the exact mesher.
     """
 
     vertices: CudaArray
     faces: CudaArray
     normals: CudaArray | None
     vertex_atoms: CudaArray
+    face_atoms: CudaArray | None
 
     @staticmethod
     def _of(handle: _core.CudaMeshHandle) -> CudaMesh:
-        normals = handle.normals()
+        def array(made: _core.CudaArray | None) -> CudaArray | None:
+            return None if made is None else CudaArray(made)
+
         return CudaMesh(
             CudaArray(handle.vertices()),
             CudaArray(handle.faces()),
-            None if normals is None else CudaArray(normals),
+            array(handle.normals()),
             CudaArray(handle.vertex_atoms()),
+            array(handle.face_atoms()),
         )
 
 

@@ -204,8 +204,8 @@ def mesh(
     Parameters
     ----------
     coords, radii, threads
-        As for `exact`. From coordinates in the memory of a CUDA device marching cubes makes the mesh
-        there, and leaves it there as `Mesh.cuda`.
+        As for `exact`. From coordinates in the memory of a CUDA device the mesh is made there, and
+        stays there as `Mesh.cuda`. The exact mesher copies the atoms to the host, which does its part.
     probe : float, optional
         Radius of a probe, Å. Balls grow by it, by default by nothing; over the atoms of the
         solvent-excluded surface it rolls, with a radius of 1.4 by default.
@@ -250,7 +250,7 @@ def mesh(
     LimitExceeded
         The mesh would not fit the memory of the machine or the device.
     BackendUnavailable
-        Coordinates are on a CUDA device that cannot be used, or the mesher is "exact" for them.
+        Coordinates are on a CUDA device that cannot be used.
 
     Examples
     --------

@@ -142,6 +142,8 @@ class FeatureSizeSearch {
       // Placed once more, since the mesher took them.
       team_.together([&] { refused_ = features_of(place(sizes)); });
       return false;
+    } catch (const DeviceMemoryExceeded&) {
+      throw;  // with more memory the result could be another mesh
     } catch (const LimitExceeded&) {
       if (!best_) throw;
       return false;  // the result is the mesh made before, whose stats say how it differs

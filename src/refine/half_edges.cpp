@@ -8,7 +8,8 @@
 // since a search goes through one bucket.
 //
 // number_edges() goes over blocks of kBlock half-edges: count each block's edges, sum up the
-// counts, number the edges of each block. The CUDA counterpart is cuda/refine/edge_numbers.cu.
+// counts, number the edges of each block. The CUDA counterparts are
+// cuda/refine/half_edges.cu and edge_numbers.cu.
 #include "refine/half_edges.hpp"
 
 #include <fmt/format.h>
@@ -27,13 +28,6 @@ using Triangles = std::span<const Triangle>;
 
 std::uint32_t start_of(Triangles triangles, std::size_t h) { return triangles[h / 3][h % 3]; }
 std::uint32_t end_of(Triangles triangles, std::size_t h) { return triangles[h / 3][(h + 1) % 3]; }
-
-[[noreturn]] void throw_not_closed(Triangles triangles, std::size_t h) {
-  throw InvalidInput(
-      fmt::format("refinement needs a closed, oriented mesh: the edge from vertex {} to vertex {} "
-                  "of triangle {} is not run back by exactly one other triangle",
-                  start_of(triangles, h), end_of(triangles, h), h / 3));
-}
 
 // Half-edges in buckets by start vertex, as compressed sparse rows: the bucket of vertex v is
 // half_edges[begin[v]] to half_edges[begin[v + 1] - 1]. The order within a bucket depends on the
@@ -104,8 +98,15 @@ Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh) {
       mesh.opposite.empty() ? match_half_edges(triangles, mesh.vertex_count()) : mesh.opposite;
   const auto bad = first_of_all(opposite.size(),
                                 [&](std::size_t h) { return !runs_back(triangles, opposite, h); });
-  if (bad) throw_not_closed(triangles, *bad);
+  if (bad) throw_not_closed(triangles[*bad / 3], *bad);
   return opposite;
+}
+
+void throw_not_closed(const Triangle& triangle, std::uint64_t h) {
+  throw InvalidInput(
+      fmt::format("refinement needs a closed, oriented mesh: the edge from vertex {} to vertex {} "
+                  "of triangle {} is not run back by exactly one other triangle",
+                  triangle[h % 3], triangle[(h + 1) % 3], h / 3));
 }
 
 // Each edge is counted and numbered at the lower of its two half-edges, the half-edge h with

@@ -18,6 +18,9 @@ namespace vdwmesh {
 // not a manifold.
 Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh);
 
+// Throws what find_opposite() throws for half-edge h, which is one of the triangle.
+[[noreturn]] void throw_not_closed(const Triangle& triangle, std::uint64_t h);
+
 // In place of an opposite half-edge: there is none. Every half-edge has a lower index, since a mesh
 // has at most kMaxHalfEdges = 2^32 - 1 of them.
 inline constexpr std::uint32_t kUnmatched = std::numeric_limits<std::uint32_t>::max();

@@ -94,13 +94,8 @@ void check_size(const char* what, std::size_t size, std::size_t expected) {
 
 bool is_beyond(const SphereSet& spheres, SphereId id) { return id >= spheres.size(); }
 
-void check_triangle_spheres(const SphereSet& spheres, const IndexedMesh& mesh,
-                            const RefineOptions& options) {
+void check_triangle_spheres(const SphereSet& spheres, const IndexedMesh& mesh) {
   if (mesh.triangle_labels() == TriangleLabels::none) return;
-  if (options.projection == Projection::field) {
-    throw InvalidInput(
-        "the mesh's triangles lie on spheres, not on a blended field: project them to vdw");
-  }
   if (mesh.vertex_spheres.empty()) {
     throw InvalidInput("the mesh's triangles name their spheres, its vertices do not: label them");
   }
@@ -118,6 +113,10 @@ void check_triangle_spheres(const SphereSet& spheres, const IndexedMesh& mesh,
 void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
                            const RefineOptions& options, TriangleLabels labels) {
   check_options(options);
+  if (labels == TriangleLabels::spheres && options.projection == Projection::field) {
+    throw InvalidInput(
+        "the mesh's triangles lie on spheres, not on a blended field: project them to vdw");
+  }
   check_limits(spheres, {vertices, triangles}, options, labels);
 }
 
@@ -161,19 +160,32 @@ void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
   check_refinement_size(spheres.size(), mesh.vertex_count(), mesh.triangle_count(), options,
                         mesh.triangle_labels());
   check_mesh(spheres, mesh);
-  check_triangle_spheres(spheres, mesh, options);
+  check_triangle_spheres(spheres, mesh);
 }
 
-IndexedMesh prepare_mesh(IndexedMesh mesh, const RefineOptions& options) {
+namespace {
+
+// `= {}` would leave an array without elements its memory.
+void drop_normals(IndexedMesh& mesh, const RefineOptions& options) {
   const bool is_projected = options.projection != Projection::none;
-  // `= {}` would leave an array without elements its memory.
   if (is_projected || options.normals == Normals::none) mesh.normals = Buffer<Vec3f>();
-  if (options.subdivisions > 0) mesh.opposite = find_opposite(mesh);
+}
+
+}  // namespace
+
+IndexedMesh complete_labels(IndexedMesh mesh, const RefineOptions& options) {
+  drop_normals(mesh, options);
   if (mesh.vertex_spheres.empty()) {
     mesh.vertex_spheres.assign(mesh.vertex_count(), on_sphere(kNoSphere));
   }
   mesh.vertex_spheres.widen();
   return mesh;
+}
+
+IndexedMesh prepare_mesh(IndexedMesh mesh, const RefineOptions& options) {
+  drop_normals(mesh, options);  // before more memory is taken
+  if (options.subdivisions > 0) mesh.opposite = find_opposite(mesh);
+  return complete_labels(std::move(mesh), options);
 }
 
 std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,

@@ -25,7 +25,8 @@ std::uint64_t refine_bytes(const MeshSize& given, std::uint64_t spheres,
 void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
                       const RefineOptions& options);
 
-// The part of check_refinement() that needs only sizes: of the sphere set, the mesh and its labels.
+// The part of check_refinement() that needs only sizes, of the sphere set, the mesh and its labels.
+// With labels, it also refuses a projection to a field.
 void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
                            const RefineOptions& options,
                            TriangleLabels labels = TriangleLabels::none);
@@ -34,11 +35,12 @@ void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::u
 // that are finite.
 void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh);
 
-// Completes the given mesh for level 0. Afterwards each vertex has a label of three ids, all
-// kNoSphere if no labels were given, and opposite half-edges are there if a subdivision follows.
-// Its normals are removed if none are wanted, or if the mesh is projected, because they are then
-// computed anew at the end.
-// Throws InvalidInput if the mesh is not closed and a subdivision follows.
+// Completes labels and normals of the given mesh for level 0. Afterwards each vertex has a label of
+// three ids, all kNoSphere if no labels were given. Normals are removed if none are wanted, or if
+// the mesh is projected, because they are then computed anew at the end.
+IndexedMesh complete_labels(IndexedMesh given, const RefineOptions& options);
+// Completes all of it: opposite half-edges are there too if a subdivision follows. Throws
+// InvalidInput if the mesh is not closed then.
 IndexedMesh prepare_mesh(IndexedMesh given, const RefineOptions& options);
 
 // The blended field to project to, used for Projection::field only. Throws InvalidInput if this

@@ -167,6 +167,137 @@ TEST_F(OnDevice, MeshesAreThoseOfThePipeline) {
   }
 }
 
+std::string refusal(const auto& call) {
+  try {
+    call();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// The crease-exact mesh of the host, refined there.
+ExactMesh exact_on_host(const SphereSet& spheres, const ExactMeshOptions& exact,
+                        const RefineOptions& refine, std::vector<ProjectionStats>& levels) {
+  ExactMesh made = make_exact_mesher(Backend::cpu)->mesh(spheres, exact);
+  if (refine.subdivisions > 0) {
+    RefineResult refined =
+        make_refiner(Backend::cpu)->refine(spheres, std::move(made.mesh), refine);
+    made.mesh = std::move(refined.mesh);
+    levels = std::move(refined.levels);
+  }
+  made.mesh.opposite = {};
+  if (refine.normals == Normals::none) made.mesh.normals = {};
+  return made;
+}
+
+void expect_same_exact_mesh(const SphereSet& spheres, const ExactMeshOptions& exact,
+                            const RefineOptions& refine, const std::string& what) {
+  std::vector<ProjectionStats> levels;
+  const ExactMesh host = exact_on_host(spheres, exact, refine, levels);
+  const CudaExactMesh there = exact_mesh_on_device(DeviceFrames(spheres), exact, refine);
+  EXPECT_EQ(there.mesh.arrays().triangles, host.mesh.triangle_count()) << what;
+  EXPECT_EQ(there.mesh.arrays().vertices, host.mesh.vertex_count()) << what;
+  EXPECT_NE(there.mesh.arrays().triangle_atoms, nullptr) << what;
+  expect_same(host.mesh, there.mesh.download(), what);
+  EXPECT_EQ(there.stats.split, host.stats.split) << what;
+  EXPECT_EQ(there.stats.contacts, host.stats.contacts) << what;
+  const std::uint64_t reduced = host.stats.points + host.stats.contacts + host.stats.joins;
+  EXPECT_EQ(there.fallback.empty(), reduced == 0 && exact.min_angle == 0) << what;
+  ASSERT_EQ(there.levels.size(), levels.size()) << what;
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    EXPECT_EQ(there.levels[l].projected, levels[l].projected) << what << ", level " << l;
+    EXPECT_EQ(there.levels[l].residual_max, levels[l].residual_max) << what << ", level " << l;
+  }
+}
+
+TEST_F(OnDevice, ExactMeshesAreThoseOfTheHost) {
+  std::vector<Sphere> touching;
+  for (int i = 0; i < 40; ++i) touching.push_back({{2.0 * (i % 5), 2.0 * (i / 5), 0}, 1});
+  const std::vector<std::pair<std::string, SphereSet>> all{
+      {"one ball", SphereSet({{{0.1, 0.2, 0.3}, 1.7}})},
+      {"touching", SphereSet(touching)},  // contacts, so that the host makes the mesh
+      {"coincident", SphereSet({{{0, 0, 0}, 1.7}, {{0, 0, 0}, 1.7}, {{0, 0, 0.4}, 1.2}})},
+      {"crowd", crowd(3000, 20, 0.8, 2.0, 6)},
+      {"large and small", crowd(300, 12, 0.2, 5.0, 7)}};
+  for (const auto& [name, spheres] : all) {
+    for (const DeviceWork work : {DeviceWork::all, DeviceWork::balanced}) {
+      for (const int subdivisions : {0, 1, 2}) {
+        const ExactMeshOptions exact{.edge_length = 0.5, .device_work = work};
+        expect_same_exact_mesh(spheres, exact, {.subdivisions = subdivisions},
+                               name + " " + std::to_string(subdivisions));
+      }
+    }
+  }
+  const SphereSet& spheres = all[3].second;
+  const ExactMeshOptions exact{.edge_length = 0.6, .device_work = DeviceWork::all};
+  expect_same_exact_mesh(spheres, exact, {.normals = Normals::none}, "no normals");
+  expect_same_exact_mesh(spheres, exact, {.subdivisions = 1, .normals = Normals::none},
+                         "no normals, refined");
+  expect_same_exact_mesh(spheres, exact, {.subdivisions = 1, .projection = Projection::none},
+                         "not projected");
+  const std::vector<double> lengths(spheres.size(), 0.7);
+  expect_same_exact_mesh(spheres, {.edge_lengths = lengths, .min_angle = 15}, {.subdivisions = 1},
+                         "bounded angles");
+}
+
+// A mesh that does not fit the device beside the patches that it keeps is refused.
+TEST_F(OnDevice, ExactMeshesThatDoNotFit) {
+  const SphereSet spheres = crowd(3000, 20, 0.8, 2.0, 6);
+  ExactMeshOptions exact{.edge_length = 0.5, .device_work = DeviceWork::all};
+  const CudaExactMesh all = exact_mesh_on_device(DeviceFrames(spheres), exact, {});
+  const IndexedMesh mesh = all.mesh.download();
+  exact.device_memory = 3 * indexed_mesh_bytes(mesh);
+  const CudaExactMesh less = exact_mesh_on_device(DeviceFrames(spheres), exact, {});
+  EXPECT_EQ(hash(less.mesh.download()), hash(mesh));
+  exact.device_memory = indexed_mesh_bytes(mesh);
+  EXPECT_THROW(exact_mesh_on_device(DeviceFrames(spheres), exact, {}), DeviceMemoryExceeded);
+  exact = {.edge_length = 0.5, .memory_limit = 1 << 20};
+  EXPECT_THROW(exact_mesh_on_device(DeviceFrames(spheres), exact, {}), LimitExceeded);
+  RefineOptions refine{.subdivisions = 1};
+  refine.device_memory = indexed_mesh_bytes(mesh);
+  EXPECT_THROW(exact_mesh_on_device(DeviceFrames(spheres), {.edge_length = 0.5}, refine),
+               DeviceMemoryExceeded);
+}
+
+TEST_F(OnDevice, ExactMeshesOfWrongInput) {
+  const DeviceFrames balls(crowd(100, 6, 1, 2, 3));
+  EXPECT_THROW(exact_mesh_on_device(balls, {.edge_length = -1}, {}), InvalidInput);
+  EXPECT_THROW(exact_mesh_on_device(balls, {}, {.subdivisions = -1}), InvalidInput);
+  EXPECT_THROW(exact_mesh_on_device(balls, {}, {.subdivisions = 40}), InvalidInput);
+  const RefineOptions to_field{.subdivisions = 1, .projection = Projection::field};
+  EXPECT_THROW(exact_mesh_on_device(balls, {}, to_field), InvalidInput);
+  EXPECT_THROW(DeviceFrames(SphereSet{}), InvalidInput);
+  std::vector<Sphere> wrong(3, Sphere{{0, 0, 0}, 1});
+  wrong[1].center.y = kNan;
+  const Copy<Sphere> memory(wrong);
+  const FrameCoordinates centers{.first = memory.bytes(),
+                                 .frames = 1,
+                                 .atoms = 3,
+                                 .frame_stride = 0,
+                                 .atom_stride = sizeof(Sphere),
+                                 .axis_stride = sizeof(double)};
+  const std::vector<double> radii(3, 1.5);
+  EXPECT_THROW(exact_mesh_on_device(DeviceFrames(current_device(), centers, radii, 0), {}, {}),
+               InvalidFrame);
+}
+
+// A mesh that is not closed is refused with the words of the CPU, which name an edge.
+TEST_F(OnDevice, OpenMeshesAreRefusedAlike) {
+  const SphereSet spheres = crowd(100, 6, 1, 2, 3);
+  IndexedMesh open = mesh_union(spheres, {.edge_length = 0.8}).mesh;
+  std::swap(open.triangles[700], open.triangles.back());
+  open.triangles.resize(open.triangle_count() - 1);
+  open.triangle_spheres = Buffer<SphereId>();
+  std::vector<std::string> words;
+  for (const Backend backend : {Backend::cpu, Backend::cuda}) {
+    words.push_back(refusal(
+        [&] { make_refiner(backend)->refine(spheres, open, RefineOptions{.subdivisions = 1}); }));
+  }
+  EXPECT_NE(words[0].find("is not run back by exactly one other triangle"), std::string::npos);
+  EXPECT_EQ(words[0], words[1]);
+}
+
 // float32 coordinates in nm, atoms in reverse, axes far apart, every second number skipped; radii
 // as float32 on the device or as doubles on the host.
 TEST_F(OnDevice, ReadsCoordinatesOfAnyLayout) {
@@ -211,13 +342,11 @@ TEST_F(OnDevice, ReadsCoordinatesOfAnyLayout) {
   }
 }
 
-std::string refusal(const auto& call) {
-  try {
-    call();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "accepted";
+TEST_F(OnDevice, CopiesBallsOfTheHost) {
+  const SphereSet spheres = crowd(50, 5, 1, 2, 21);
+  const DeviceFrames frames(spheres);
+  expect_same_array(frames.data().rows.data(), &spheres[0], 50, "rows");
+  EXPECT_EQ(frames.valid_frames(), 1u);
 }
 
 TEST_F(OnDevice, RefusesWhatIsNoAtom) {

@@ -83,7 +83,8 @@ class RefusalsTest(unittest.TestCase):
         self.assert_refused(ValueError, 'device: is "cpu"', vdwmesh.exact, Fake(), [1, 1], device="cpu")
         self.assert_refused(RuntimeError, "coords: are on a CUDA device, which measures", vdwmesh.exact,
                             Fake(), [1, 1], topology=True)  # fmt: skip
-        self.assert_refused(RuntimeError, "mesher: the exact mesher", vdwmesh.mesh, Fake(), [1, 1])
+        self.assert_refused(RuntimeError, "surface: the excluded surface", vdwmesh.mesh, Fake(), [1, 1],
+                            surface="excluded")  # fmt: skip
         self.assert_refused(RuntimeError, "radii: is on a CUDA device", vdwmesh.exact, [[0, 0, 0]],
                             Fake(shape=(1,)))  # fmt: skip
         for call in (vdwmesh.quality, lambda m: vdwmesh.marching_cubes(m, 0)):
@@ -126,7 +127,7 @@ class DeviceTest(unittest.TestCase):
 
     def assert_same_mesh(self, mesh, expected):
         self.assertIsNone(expected.cuda)
-        for name in ("vertices", "faces", "normals", "vertex_atoms"):
+        for name in ("vertices", "faces", "normals", "vertex_atoms", "face_atoms"):
             there, host, wanted = (getattr(m, name) for m in (mesh.cuda, mesh, expected))
             if wanted is None:
                 self.assertIsNone(there)
@@ -146,6 +147,14 @@ class DeviceTest(unittest.TestCase):
                 expected = vdwmesh.mesh(self.molecule, device="cpu", **options)
                 for radii in (self.radii, self.molecule.radii):
                     self.assert_same_mesh(vdwmesh.mesh(self.coords, radii, **options), expected)
+
+    def test_exact_meshes_are_those_of_the_host(self):
+        lengths = np.linspace(0.3, 0.9, len(self.molecule.radii))
+        for options in ({}, {"probe": 1.4}, {"edge_length": lengths}, {"normals": False}, {"subdivide": 1},
+                        {"subdivide": 2, "normals": False}, {"min_angle": 15, "subdivide": 1}):  # fmt: skip
+            with self.subTest(**options):
+                expected = vdwmesh.mesh(self.molecule, device="cpu", **options)
+                self.assert_same_mesh(vdwmesh.mesh(self.coords, self.radii, **options), expected)
 
     def test_the_excluded_surface_is_that_of_the_cpu(self):
         expected = vdwmesh.exact(self.molecule, surface="excluded", topology=True, device="cpu")

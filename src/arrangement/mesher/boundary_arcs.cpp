@@ -371,10 +371,6 @@ class BoundaryBuilder {
 
 }  // namespace
 
-Vec3d BoundaryArc::at(double angle) const {
-  return center + (std::cos(angle) * cosine + std::sin(angle) * sine);
-}
-
 BoundaryArcs boundary_arcs(const PlacedBalls& balls, const ExposedBoundary& exposed,
                            const FeatureSizes& sizes) {
   return BoundaryBuilder(balls, exposed, sizes).run();

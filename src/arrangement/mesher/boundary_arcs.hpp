@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "arrangement/complex/exposed_boundary.hpp"
+#include "arrangement/sine_cosine.hpp"
 #include "core/buffer.hpp"
 #include "core/vec3.hpp"
 
@@ -44,8 +45,13 @@ struct BoundaryArc {
   double sweep;                        // rad, the angle of the last corner; 2 pi for a whole circle
   double radius;                       // of the circle
 
-  bool is_circle() const { return ends[0] == kNoIndex; }
-  Vec3d at(double angle) const;  // the point at this angle (rad)
+  VDWMESH_HD bool is_circle() const { return ends[0] == kNoIndex; }
+  // The point at this angle (rad). Sine and cosine are our own, so it does not depend on the C
+  // library and is the same on a device.
+  VDWMESH_HD Vec3d at(double angle) const {
+    const SineCosine turn = sine_cosine(angle);
+    return center + (turn.cosine * cosine + turn.sine * sine);
+  }
 };
 
 // An exposed point common to three spheres, or several such points that were joined.

@@ -1,5 +1,6 @@
-// One thread takes what was sent, in order, and gives it to the device, which spreads it over
-// threads of its own. Jobs stay in place until the end, since the device writes its outcome there.
+// Threads take what was sent, in order, and give it to the device: while it meshes what one of them
+// has given, another one packs. Jobs stay in place until the end, since the device writes its
+// outcome there.
 #include "arrangement/mesher/device_patches.hpp"
 
 #include <tbb/parallel_for.h>
@@ -58,16 +59,23 @@ DevicePatches::DevicePatches(PatchDevice& device, std::size_t balls, Sources sou
       job_of_(balls, nullptr),
       was_sent_(balls, 0) {
   jobs_.reserve(2 * balls);
-  thread_ = std::jthread([this] { error_.guard([this] { work(); }); });
+  try {
+    while (threads_.size() < device.threads()) {
+      threads_.emplace_back([this] { error_.guard([this] { work(); }); });
+    }
+  } catch (...) {  // those that have begun must not wait for ever
+    end_threads();
+    throw;
+  }
 }
 
 DevicePatches::~DevicePatches() {
-  // The thread goes on only if the host has failed, which then has its turn.
-  if (thread_.joinable()) {
+  // The threads go on only if the host has failed, which then has its turn.
+  if (!threads_.empty()) {
     for (PatchJob& job : jobs_) job.is_withdrawn = true;
   }
   turns_.end();
-  end_thread();
+  end_threads();
 }
 
 void DevicePatches::look(std::span<const std::uint32_t> balls, DeviceWork work, const Looks& looks,
@@ -97,33 +105,41 @@ void DevicePatches::withdraw(std::uint32_t ball) {
   job = nullptr;
 }
 
-// Takes out of `balls` the patches that the device shall mesh.
-std::vector<std::uint32_t> DevicePatches::take_share(std::vector<std::uint32_t>& balls,
-                                                     HostWork host, const MakeJob& make) {
-  std::vector<std::uint32_t> sizes(balls.size()), taken, others;
-  for_each_index(balls.size(),
-                 [&](std::size_t i) { sizes[i] = sizes_of(make(balls[i])).most_points; });
-  const DeviceLoad load = load_for_device(sizes, host, busy_);
+std::vector<PatchJob> DevicePatches::make_jobs(std::span<const std::uint32_t> balls,
+                                               const MakeJob& make) const {
+  std::vector<PatchJob> jobs(balls.size());
+  for_each_index(balls.size(), [&](std::size_t i) {
+    jobs[i] = make(balls[i]);
+    jobs[i].sizes = sizes_of(jobs[i]);
+  });
+  return jobs;
+}
+
+// The device gets patches of up to so many points.
+std::uint32_t DevicePatches::most_points(std::span<const PatchJob> jobs, HostWork host) {
+  std::vector<std::uint32_t> sizes(jobs.size());
+  for_each_index(jobs.size(), [&](std::size_t i) { sizes[i] = jobs[i].sizes.most_points; });
+  const DeviceLoad load = load_for_device(std::move(sizes), host, busy_);
   busy_ += load.milliseconds;
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    (sizes[i] <= load.most_points ? taken : others).push_back(balls[i]);
-  }
-  balls = std::move(others);
-  return taken;
+  return load.most_points;
 }
 
 void DevicePatches::send(std::vector<std::uint32_t>& balls, DeviceWork work, HostWork host,
                          const MakeJob& make) {
-  const std::vector<std::uint32_t> taken =
-      work == DeviceWork::all ? std::exchange(balls, {}) : take_share(balls, host, make);
-  if (taken.empty()) return;
+  std::vector<PatchJob> jobs = make_jobs(balls, make);
+  const std::uint32_t most = work == DeviceWork::all ? kNoIndex : most_points(jobs, host);
   const std::size_t first = jobs_.size();
-  jobs_.resize(first + taken.size());
-  for_each_index(taken.size(), [&](std::size_t i) {
-    PatchJob& job = jobs_[first + i] = make(taken[i]);
-    job_of_[job.ball] = &job;
-    was_sent_[job.ball] = 1;
-  });
+  balls.clear();
+  for (PatchJob& job : jobs) {
+    if (job.sizes.most_points > most) {
+      balls.push_back(job.ball);
+      continue;
+    }
+    PatchJob& sent = jobs_.emplace_back(std::move(job));
+    job_of_[sent.ball] = &sent;
+    was_sent_[sent.ball] = 1;
+  }
+  if (jobs_.size() == first) return;
   const std::lock_guard lock(mutex_);
   ready_ = jobs_.size();
   changed_.notify_all();
@@ -143,25 +159,37 @@ void DevicePatches::take_back() {
   busy_ = busy_without(busy_, count);
 }
 
-void DevicePatches::end_thread() noexcept {
+void DevicePatches::end_threads() noexcept {
   {
     const std::lock_guard lock(mutex_);
     is_last_ = true;
     changed_.notify_all();
   }
-  if (thread_.joinable()) thread_.join();
+  threads_.clear();  // joins them
 }
+
+namespace {
+
+// How many of so many jobs one of the idle threads takes: its share, so that the others may take
+// theirs at the same time, if all shares are worth a batch, and no more than a batch has.
+std::size_t share_of_thread(std::size_t jobs, std::size_t idle) {
+  const bool is_worth_sharing = jobs >= idle * kLeastPatchesForDevice;
+  return std::min(is_worth_sharing ? (jobs + idle - 1) / idle : jobs, kPatchesOfBatch);
+}
+
+}  // namespace
 
 void DevicePatches::work() {
   const auto look = [this](const std::function<void()>& f) { turns_.read(f); };
-  for (std::size_t begun = 0;;) {
+  for (;;) {
     std::span<PatchJob> jobs;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] { return is_last_ || begun < ready_; });
-      if (begun == ready_) return;
-      jobs = {jobs_.data() + begun, ready_ - begun};
-      begun = ready_;
+      ++idle_;
+      changed_.wait(lock, [&] { return is_last_ || begun_ < ready_; });
+      if (begun_ == ready_) return;
+      jobs = {jobs_.data() + begun_, share_of_thread(ready_ - begun_, idle_--)};
+      begun_ += jobs.size();
     }
     device_.mesh({jobs, look, sources_, monitor_});
   }
@@ -192,17 +220,55 @@ std::vector<std::uint32_t> DevicePatches::take_results(std::span<const std::uint
   return left;
 }
 
-void DevicePatches::place(const PlacedBalls& balls, std::span<const std::uint64_t> first_vertex,
-                          std::span<const std::uint64_t> first_triangle,
-                          std::span<const std::uint32_t> first_vertices, IndexedMesh& mesh) {
-  const std::vector<PatchPlace> places =
-      collect<PatchPlace>(job_of_.size(), [&](std::size_t b, std::vector<PatchPlace>& found) {
-        const PatchJob* const kept = kept_job(static_cast<std::uint32_t>(b));
-        if (!kept) return;
-        found.push_back({kept->kept, kept->interior, kept->triangles, balls.balls[b], balls.ids[b],
-                         first_vertex[b], first_triangle[b]});
+namespace {
+
+PatchPlace place_of(std::uint32_t ball, std::uint64_t kept, const DevicePatches::Places& places) {
+  const auto length = [ball](std::span<const std::uint64_t> first) {
+    return static_cast<std::uint32_t>(first[ball + 1] - first[ball]);
+  };
+  return {kept,
+          length(places.first_vertex),
+          length(places.first_triangle),
+          places.balls.balls[ball],
+          places.balls.ids[ball],
+          places.first_vertex[ball],
+          places.first_triangle[ball]};
+}
+
+// Å for each unit of the balls' lengths.
+double unit_of(const DevicePatches::Places& places) {
+  return std::ldexp(1.0, places.balls.scale_exponent);
+}
+
+}  // namespace
+
+std::vector<PatchPlace> DevicePatches::kept_places(const Places& places) const {
+  return collect<PatchPlace>(job_of_.size(), [&](std::size_t b, std::vector<PatchPlace>& found) {
+    const auto ball = static_cast<std::uint32_t>(b);
+    const PatchJob* const kept = kept_job(ball);
+    if (kept) found.push_back(place_of(ball, kept->kept, places));
+  });
+}
+
+void DevicePatches::place(const Places& places, IndexedMesh& mesh) {
+  device_.place({kept_places(places), unit_of(places), places.first_vertices}, mesh);
+  device_.forget();
+}
+
+void DevicePatches::assemble(const Places& places, std::span<const PatchMesh> patches,
+                             const MeshPlacement& boundary) {
+  const std::vector<PatchPlace> kept = kept_places(places);
+  const std::vector<PatchOfHost> of_host =
+      collect<PatchOfHost>(patches.size(), [&](std::size_t b, std::vector<PatchOfHost>& found) {
+        const auto ball = static_cast<std::uint32_t>(b);
+        if (!patches[b].triangles.empty()) {
+          found.push_back({&patches[b], place_of(ball, 0, places)});
+        }
       });
-  device_.place({places, std::ldexp(1.0, balls.scale_exponent), first_vertices}, mesh);
+  device_.assemble({{places.first_vertex.back(), places.first_triangle.back()},
+                    boundary,
+                    of_host,
+                    {kept, unit_of(places), places.first_vertices}});
   device_.forget();
 }
 

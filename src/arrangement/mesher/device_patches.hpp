@@ -1,4 +1,4 @@
-// The boundaries and patches that UnionMesher gives a device, and the thread that makes it mesh
+// The boundaries and patches that UnionMesher gives a device, and the threads that make it mesh
 // patches while UnionMesher still splits the pieces of arcs, in rounds.
 //
 // In the first round the device looks at boundaries, if they are many; the host at what is left.
@@ -75,7 +75,7 @@ class DevicePatches {
   void look(std::span<const std::uint32_t> balls, DeviceWork work, const Looks& looks,
             ExactMeshStats& stats);
   // Takes out of `balls` those whose patches the device shall mesh, and sends their jobs,
-  // make(ball). The device takes all that was sent until then as soon as it has nothing else to do.
+  // make(ball). Threads of the device that have nothing else to do share what was sent until then.
   // No ball may be sent more than twice, because jobs_ has room for two per ball.
   using MakeJob = std::function<PatchJob(std::uint32_t ball)>;
   void send(std::vector<std::uint32_t>& balls, DeviceWork work, HostWork host, const MakeJob& make);
@@ -102,7 +102,7 @@ class DevicePatches {
     FirstError error;
     turns_.end();
     error.guard(on_host);
-    end_thread();
+    end_threads();
     error.rethrow();
     error_.rethrow();
   }
@@ -112,17 +112,28 @@ class DevicePatches {
   std::vector<std::uint32_t> take_results(std::span<const std::uint32_t> balls,
                                           std::span<const std::uint32_t> of_host,
                                           std::vector<PatchMesh>& patches, ExactMeshStats& stats);
+  // Where patches go in the mesh: the first vertex and triangle inside of each ball's patch, with
+  // one more entry at the end, and ArcSampling::first_vertices().
+  struct Places {
+    const PlacedBalls& balls;
+    std::span<const std::uint64_t> first_vertex, first_triangle;
+    std::span<const std::uint32_t> first_vertices;
+  };
   // Lets the device write the patches that it keeps to their places in the mesh, and then forget
-  // them. The first vertex and triangle are those inside of each ball's patch, and
-  // `first_vertices` are ArcSampling::first_vertices().
-  void place(const PlacedBalls& balls, std::span<const std::uint64_t> first_vertex,
-             std::span<const std::uint64_t> first_triangle,
-             std::span<const std::uint32_t> first_vertices, IndexedMesh& mesh);
+  // them.
+  void place(const Places& places, IndexedMesh& mesh);
+  // Whether assemble() is wanted in place of place(): PatchDevice::keeps_mesh().
+  bool keeps_mesh() const { return device_.keeps_mesh(); }
+  // Lets the device put the mesh together in its memory, of the patches that it keeps and of those
+  // of the host, by ball, and then forget its own. `boundary` places corners and points of arcs.
+  void assemble(const Places& places, std::span<const PatchMesh> patches,
+                const MeshPlacement& boundary);
 
  private:
-  std::vector<std::uint32_t> take_share(std::vector<std::uint32_t>& balls, HostWork host,
-                                        const MakeJob& make);
-  void end_thread() noexcept;
+  std::vector<PatchJob> make_jobs(std::span<const std::uint32_t> balls, const MakeJob& make) const;
+  std::uint32_t most_points(std::span<const PatchJob> jobs, HostWork host);
+  std::vector<PatchPlace> kept_places(const Places& places) const;
+  void end_threads() noexcept;
   void work();
 
   PatchDevice& device_;
@@ -139,8 +150,10 @@ class DevicePatches {
   std::mutex mutex_;  // for what follows
   std::condition_variable changed_;
   std::size_t ready_ = 0;  // how many jobs the device may have
+  std::size_t begun_ = 0;  // how many of them its threads have taken
+  std::size_t idle_ = 0;   // threads that wait for more
   bool is_last_ = false;   // nothing more will be sent
-  std::jthread thread_;
+  std::vector<std::jthread> threads_;
 };
 
 // Works on a device, on a thread of its own, and on the host at the same time.

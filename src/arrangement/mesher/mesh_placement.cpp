@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "arrangement/mesher/boundary_vertex.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
 
@@ -100,26 +101,14 @@ void MeshPlacement::place_patch(const PatchMesh& patch, std::uint32_t ball,
   }
 }
 
-// Writes vertex `vertex` of the mesh at p (scaled), which lies on the spheres of up to three balls;
-// unused entries of `balls` are kNoIndex. The label has the ids of the spheres in ascending order.
-// The normal is the mean of the spheres' normals. If these cancel, as at a point of contact, the
-// normal of the first sphere is taken: a sum shorter than 1e-6 would have no reliable direction.
+// Writes vertex `vertex` of the mesh at p (scaled), which lies on the spheres of these balls.
 VDWMESH_MULTIVERSION void MeshPlacement::place(const Vec3d& p,
                                                const std::array<std::uint32_t, 3>& balls,
                                                std::size_t vertex, IndexedMesh& mesh) const {
-  Vec3d sum{0, 0, 0}, first{0, 0, 0};
-  VertexSpheres label{kNoSphere, kNoSphere, kNoSphere};
-  for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
-    const Vec3d out = p - t_.balls[balls[k]].center;
-    sum = sum + (1 / norm(out)) * out;
-    if (k == 0) first = sum;
-    label[k] = t_.ids[balls[k]];
-  }
-  std::sort(label.begin(), label.end());
-  if (!(squared_norm(sum) > 1e-12)) sum = first;
-  mesh.positions[vertex] = unscaled(p);
-  mesh.normals[vertex] = cast<float>((1 / norm(sum)) * sum);
-  mesh.vertex_spheres.set(vertex, label);
+  const BoundaryVertex v = boundary_vertex(p, balls, {t_.balls.data(), t_.ids.data(), unit_});
+  mesh.positions[vertex] = v.position;
+  mesh.normals[vertex] = v.normal;
+  mesh.vertex_spheres.set(vertex, v.label);
 }
 
 }  // namespace vdwmesh

@@ -46,6 +46,12 @@ class MeshPlacement {
   // Both on all cores.
   void place_corners(IndexedMesh& mesh) const;
   void place_arcs(IndexedMesh& mesh) const;
+  // What they place, for a device that places the boundary of a whole mesh itself.
+  const BoundaryArcs& boundary() const { return boundary_; }
+  const ArcSampling& sampling() const { return sampling_; }
+  const PlacedBalls& balls() const { return t_; }
+  // Å for each unit of the balls' lengths.
+  double unit() const { return unit_; }
   // Writes the interior vertices of the patch of a ball, from vertex first_vertex on, and its
   // triangles, from first_triangle on. The patch has its sources.
   void place_patch(const PatchMesh& patch, std::uint32_t ball, std::uint64_t first_vertex,

@@ -9,6 +9,7 @@
 
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
+#include "core/blocks.hpp"
 
 namespace vdwmesh {
 
@@ -37,9 +38,8 @@ inline RoundDemands demands_of(RoundSeries series, int round, const ExactMeshOpt
 }
 
 inline std::uint64_t angles_below_floor(std::span<const PatchMesh> patches) {
-  std::uint64_t count = 0;
-  for (const PatchMesh& patch : patches) count += patch.below_floor;
-  return count;
+  return sum_all(patches.size(),
+                 [&](std::size_t i, std::uint64_t& count) { count += patches[i].below_floor; });
 }
 
 }  // namespace vdwmesh

@@ -23,9 +23,6 @@ namespace {
 // Of all points a patch may have on a device, and of all parts of an icosahedron's edge.
 constexpr std::uint32_t kMostPoints = 2048, kMostParts = 64;
 
-// The most patches of a batch: as many as fill a device.
-constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
-
 // Of the points of an icosahedron each edge of which has so many parts.
 std::uint64_t lattice_bytes(std::uint32_t parts) {
   return (10 * std::uint64_t{parts} * parts + 2) * sizeof(Vec3d);
@@ -90,7 +87,7 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
   for_each_index(jobs.size(), [&](std::size_t j) {
     if (jobs[j].is_withdrawn) return;
     const std::uint32_t parts = SpherePoints::parts(clamped_edge(jobs[j]));
-    const PatchSizes sizes = sizes_of(jobs[j]);
+    const PatchSizes& sizes = jobs[j].sizes;
     if (!is_for_device(sizes) || parts > kMostParts) return;
     const std::uint64_t bytes = device_bytes(sizes);
     if (bytes + lattice_bytes(parts) <= batch_bytes) needs[j] = {bytes, parts};
@@ -182,7 +179,7 @@ PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint
     const PatchJob& job = jobs[which[i]];
     needs[i].is_withdrawn = job.is_withdrawn;
     if (job.is_withdrawn) return;
-    const PatchSizes sizes = sizes_of(job);
+    const PatchSizes& sizes = job.sizes;
     ArrayPlaces places(nullptr);
     patch_input(sizes, places);
     needs[i] = {which[i],

@@ -13,7 +13,8 @@
 
 namespace vdwmesh {
 
-// The sizes of a job's patch, with room for as many points as its area and boundary let expect.
+// The sizes of a job's patch, with room for as many points as its area and boundary let expect. The
+// functions below want them in the job.
 PatchSizes sizes_of(const PatchJob& job);
 // Whether a patch is for a device. A single thread meshes it, so it must not be large.
 bool is_for_device(const PatchSizes& sizes);
@@ -52,6 +53,9 @@ double busy_after(double milliseconds, std::size_t boundaries);
 double busy_without(double milliseconds, std::size_t patches);
 // Of how many patches at least it is worth sending them to a device.
 inline constexpr std::size_t kLeastPatchesForDevice = 1024;
+
+// The most patches of a batch: as many as fill a device.
+inline constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
 
 class PatchBatch {
  public:

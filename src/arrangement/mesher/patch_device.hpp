@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "arrangement/exact_mesher.hpp"
+#include "arrangement/mesher/bounded_patch.hpp"
+#include "arrangement/mesher/mesh_placement.hpp"
 #include "arrangement/mesher/mesh_team.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 
@@ -22,6 +24,7 @@ struct PatchJob {
   double edge_length;             // as in PatchOptions
   double area;                    // of the patch, in squared radii: roughly how many triangles
   Demand demand;
+  PatchSizes sizes = {};  // sizes_of(), so that who plans batches need not look at the progress
   // The host has changed the boundary since, and meshes the patch itself. The device must not look
   // at the progress any more.
   bool is_withdrawn = false;
@@ -80,6 +83,20 @@ struct PatchPlaces {
   std::span<const std::uint32_t> first_vertices;  // ArcSampling::first_vertices()
 };
 
+// A patch that the host has meshed, and its place. PatchPlace::kept has no meaning.
+struct PatchOfHost {
+  const PatchMesh* patch;  // with its sources
+  PatchPlace place;
+};
+
+// What a mesh in the device's memory is put together from.
+struct MeshParts {
+  MeshSize size;                         // of the mesh
+  const MeshPlacement& boundary;         // places its first vertices: corners and points of arcs
+  std::span<const PatchOfHost> of_host;  // ascending as PatchPlaces::places
+  PatchPlaces kept;
+};
+
 class PatchDevice {
  public:
   virtual ~PatchDevice() = default;
@@ -87,6 +104,8 @@ class PatchDevice {
   // bit. It does not end those that double precision does not decide, that are not simple, or that
   // have no room. Throws Cancelled, DeviceMemoryExceeded.
   virtual void look(const LookOrder& order) = 0;
+  // From how many threads mesh() may be called at the same time.
+  virtual std::size_t threads() const = 0;
   // Meshes jobs as mesh_patch() would, bit by bit, and sets is_done for them. It leaves out those
   // that double precision does not decide or that outgrow their memory, and those withdrawn before
   // it looked at them. Results are kept until forget(), as far as memory allows. Throws Cancelled,
@@ -98,11 +117,18 @@ class PatchDevice {
   // triangles of other patches are between the first and the last of the places may be overwritten.
   // Throws DeviceMemoryExceeded.
   virtual void place(const PatchPlaces& places, IndexedMesh& mesh) = 0;
+  // Whether the mesh is wanted in the device's memory: then assemble() is called in place of
+  // place(). A mesh whose corners were joined, or whose topology must be looked at, is the host's
+  // all the same: its boundary has features that were reduced to points.
+  virtual bool keeps_mesh() const = 0;
+  // Makes the mesh in the device's memory, where it stays. Throws DeviceMemoryExceeded.
+  virtual void assemble(const MeshParts& parts) = 0;
   // Gives the memory of kept results back, and begins to count batches anew.
   virtual void forget() = 0;
 };
 
-// mesh_union() with a device for the patches, or without (null).
+// mesh_union() with a device for the patches, or without (null). The mesh is empty if the device
+// has it in its memory.
 ExactMesh mesh_union_with(PatchDevice* device, const SphereSet& spheres,
                           const ExactMeshOptions& options);
 // The same by several processes: each has all spheres, and the team gets its piece of the mesh that

@@ -33,8 +33,8 @@
 
 #include "arrangement/mesher/device_patches.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/mesh_assembly.hpp"
 #include "arrangement/mesher/mesh_borders.hpp"
-#include "arrangement/mesher/mesh_placement.hpp"
 #include "arrangement/mesher/mesh_rounds.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_limits.hpp"
@@ -88,15 +88,15 @@ class UnionMesher {
     });
     pieces_at_first_ = all_pieces();
     mesh_patches();
-    for (const PatchMesh& patch : patches_) {
-      stats_.below_min_angle_at_corners += patch.below.at_corners;
-      stats_.below_min_angle += patch.below.elsewhere;
-    }
+    if (options_.min_angle > 0) count_small_angles();
     if (options_.min_angle == 0) stats_.below_floor = team_.sum(angles_below_floor(patches_));
     UnnumberedPiece piece;
     team_.together([&] {
       sampling_.number_vertices();
-      assemble(piece);
+      MeshPlacement placement(t_, boundary_, sampling_, index_, share_);
+      piece = assemble(placement,
+                       {t_, sampling_, patches_, on_device_ ? &*on_device_ : nullptr, progress_},
+                       stays_on_device());
     });
     if (borders_) borders_->number_in_whole(sampling_, piece.elsewhere);
     team_.take(std::move(piece), boundary_.has_joined_corners ? boundary_.corners.size() : 0);
@@ -137,6 +137,13 @@ class UnionMesher {
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;
     return index_.arcs(ball).empty() && areas_[ball] > 2 * std::numbers::pi * r * r;
+  }
+
+  void count_small_angles() {
+    for (const PatchMesh& patch : patches_) {
+      stats_.below_min_angle_at_corners += patch.below.at_corners;
+      stats_.below_min_angle += patch.below.elsewhere;
+    }
   }
 
   // The three series of rounds (mesh_rounds.hpp).
@@ -400,51 +407,11 @@ class UnionMesher {
     return splits;
   }
 
-  // Builds the piece of this process. Its vertices are corners and points of arcs, as the sampling
-  // has numbered them, then the interior points ball by ball; the patches of other processes are
-  // empty here. Every ball writes to index ranges of its own, so balls run in parallel. The device
-  // writes what it has kept, while the host writes corners and arcs; then come the patches of the
-  // host, over whatever the device has written there.
-  void assemble(UnnumberedPiece& piece) {
-    IndexedMesh& mesh = piece.mesh;
-    MeshPlacement placement(t_, boundary_, sampling_, index_, share_);
-    std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
-        first_triangle(t_.balls.size() + 1);
-    first_vertex[0] = placement.corners() + placement.points();
-    for_each_index(t_.balls.size(), [&](std::size_t b) {
-      const PatchJob* const kept = kept_job(static_cast<std::uint32_t>(b));
-      first_vertex[b + 1] = kept ? kept->interior : patches_[b].interior.size();
-      first_triangle[b + 1] = kept ? kept->triangles : patches_[b].triangles.size();
-    });
-    std::partial_sum(first_vertex.begin(), first_vertex.end(), first_vertex.begin());
-    std::partial_sum(first_triangle.begin(), first_triangle.end(), first_triangle.begin());
-    placement.find_elsewhere(
-        [&](std::uint32_t b) { return first_triangle[b + 1] > first_triangle[b]; },
-        first_vertex.back());
-    piece.own = {placement.corners(), placement.points(),
-                 first_vertex.back() - first_vertex.front()};
-    piece.elsewhere = placement.elsewhere();
-    check_vertices(first_vertex.back() + piece.elsewhere.size());
-    make_room(mesh, {first_vertex.back(), first_triangle.back()}, kPatchArrays);
-    const auto place_arcs = [&] {
-      placement.place_corners(mesh);
-      placement.place_arcs(mesh);
-      // What the device has kept is not wanted any more by the host.
-      for_each_index(progress_.size(), [&](std::size_t b) { progress_[b].reset(); });
-    };
-    if (on_device_) {
-      const auto place_kept = [&] {
-        on_device_->place(t_, first_vertex, first_triangle, sampling_.first_vertices(), mesh);
-      };
-      beside(place_kept, place_arcs);
-    } else {
-      place_arcs();
-    }
-    tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
-      const auto ball = static_cast<std::uint32_t>(b);
-      placement.place_patch(patches_[b], ball, first_vertex[b], first_triangle[b], mesh);
-      patches_[b] = {};
-    });
+  // Whether the mesh stays in the memory of a device that is to keep it. If features were reduced
+  // to points, fans of triangles may have to be parted, and the topology is looked at: by the host.
+  bool stays_on_device() const {
+    return on_device_ && on_device_->keeps_mesh() &&
+           boundary_.points + boundary_.contacts + boundary_.joins == 0;
   }
 
   ExactMeshOptions options_;
@@ -469,7 +436,7 @@ class UnionMesher {
   // By ball. The elements are bytes and not bits, because several threads set them.
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
-  // Empty without a device. Last, since its thread, which ends with it, reads the others.
+  // Empty without a device. Last, since its threads, which end with it, read the others.
   std::optional<DevicePatches> on_device_;
 };
 

@@ -40,14 +40,15 @@ TEST(DeviceBatches, FitTheirMemory) {
     jobs[j].edge_length = 0.2 + 0.1 * kind;
     jobs[j].area = 1;
     jobs[j].is_withdrawn = j % 7 == 0;
-    ASSERT_TRUE(is_for_device(sizes_of(jobs[j])));
+    jobs[j].sizes = sizes_of(jobs[j]);
+    ASSERT_TRUE(is_for_device(jobs[j].sizes));
   }
   // Icosahedra have points for each of the three edge lengths.
   const auto bytes_of = [&](const std::vector<std::uint32_t>& batch) {
     std::set<double> lengths;
     std::uint64_t bytes = 0;
     for (const std::uint32_t j : batch) {
-      bytes += device_bytes(sizes_of(jobs[j]));
+      bytes += device_bytes(jobs[j].sizes);
       if (!lengths.insert(jobs[j].edge_length).second) continue;
       SpherePoints lattice;
       bytes += lattice.points(jobs[j].edge_length).size() * sizeof(Vec3d);
