@@ -129,6 +129,13 @@ class HostPatches {
     }
   }
 
+  // Of the device, while they are written.
+  std::uint64_t bytes() const {
+    const GatherPlace& end = first_.back();
+    return end.interior * sizeof(Vec3d) + end.triangle * sizeof(Triangle) +
+           end.split * sizeof(PointSource) + patches_.size() * sizeof(PlacedPatch);
+  }
+
   // Writes them into the mesh.
   void place(const std::uint32_t* first_vertices, double unit, const DeviceMesh& mesh,
              const Stream& stream) const {
@@ -166,7 +173,18 @@ class HostPatches {
 
 // The host's patches travel in runs of about so many triangles, so that they take little memory
 // beside the mesh.
-constexpr std::uint64_t kTrianglesAtOnce = std::uint64_t{4} << 20;
+std::vector<HostPatches> runs_of(std::span<const PatchOfHost> patches) {
+  constexpr std::uint64_t kTrianglesAtOnce = std::uint64_t{4} << 20;
+  std::vector<HostPatches> runs;
+  for (std::size_t begin = 0, end = 0; begin < patches.size(); begin = end) {
+    std::uint64_t triangles = 0;
+    while (end < patches.size() && triangles < kTrianglesAtOnce) {
+      triangles += patches[end++].place.triangles;
+    }
+    runs.emplace_back(patches.subspan(begin, end - begin));
+  }
+  return runs;
+}
 
 }  // namespace
 
@@ -188,17 +206,16 @@ std::uint64_t MeshPart::device_bytes() const {
   return device_mesh_bytes({vertices, triangles}) + places.size() * sizeof(PlacedPatch);
 }
 
-// The arrays of the boundary, counted as if all arcs had unequal pieces, and a run of patches of
-// the host with at most as many vertices as triangles.
+// The arrays of the boundary are counted as if all arcs had unequal pieces.
 std::uint64_t assembly_bytes(const MeshParts& parts) {
   const BoundaryArcs& boundary = parts.boundary.boundary();
   const std::uint64_t of_arc = sizeof(BoundaryArc) + 3 * sizeof(std::uint32_t);
-  const std::uint64_t of_run = kTrianglesAtOnce * (kTriangleBytes + kVertexBytes);
+  std::uint64_t of_run = 0;
+  for (const HostPatches& run : runs_of(parts.of_host)) of_run = std::max(of_run, run.bytes());
   return device_mesh_bytes(parts.size) + boundary.corners.size() * sizeof(BoundaryCorner) +
          boundary.arcs.size() * of_arc + parts.boundary.sampling().vertex_count() * sizeof(double) +
          parts.boundary.balls().balls.size() * (sizeof(Sphere) + sizeof(SphereId)) +
-         (parts.kept.places.size() + parts.of_host.size()) * sizeof(PlacedPatch) +
-         std::min<std::uint64_t>(of_run, 3 * device_mesh_bytes(parts.size));
+         parts.kept.places.size() * sizeof(PlacedPatch) + of_run;
 }
 
 std::vector<MeshPart> parts_of(std::span<const PatchPlace> places, std::uint64_t most_bytes) {
@@ -245,13 +262,8 @@ DeviceMesh assemble_mesh(const MeshParts& parts, const KeptBatches& batches, con
             {{first_vertices.data(), kept.first_vertices.data(), first_vertices.bytes()}},
             first_vertices.data(), kept.unit, mesh.view(), stream);
   place_first_vertices(parts.boundary, first_vertices.data(), mesh, stream);
-  for (std::size_t begin = 0, end = 0; begin < parts.of_host.size(); begin = end) {
-    std::uint64_t triangles = 0;
-    while (end < parts.of_host.size() && triangles < kTrianglesAtOnce) {
-      triangles += parts.of_host[end++].place.triangles;
-    }
-    HostPatches(parts.of_host.subspan(begin, end - begin))
-        .place(first_vertices.data(), kept.unit, mesh, stream);
+  for (const HostPatches& run : runs_of(parts.of_host)) {
+    run.place(first_vertices.data(), kept.unit, mesh, stream);
   }
   stream.wait();
   return mesh;
