@@ -1,7 +1,7 @@
 // Estimates the memory that each stage of a run takes from what is known before it: atoms, the area
 // of the surface, the spacing. A run that would take more than is allowed is refused before it
 // begins, and the message names options with which it would fit, each tried by the same estimate,
-// which is good to a few per cent for `vdw` and to about ten for the blended fields.
+// which is mostly 1.0 to 1.25 times what is taken, and up to 1.5 (docs/robustness.md).
 #include "memory_plan.hpp"
 
 #include <fmt/format.h>

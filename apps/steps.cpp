@@ -109,7 +109,7 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
                   s.contacts, s.joins));
 }
 
-// Notes how many triangles stay below the least angle, if one was asked for; else how many angles
+// Notes how many triangles stay below the least angle, if one was asked for, and how many angles
 // stay below their floors.
 void note_small_angles(const ExactMeshStats& s, Report& report) {
   constexpr const char* kWhy = "edges would have to be shorter than the limits allow";

@@ -65,7 +65,7 @@ class MeasuringDevice final : public PatchDevice {
   std::uint64_t batches() const override { return 0; }
   void place(const PatchPlaces&, IndexedMesh&) override {}  // it keeps nothing
   bool keeps_mesh() const override { return false; }
-  void assemble(const MeshParts&) override {}
+  void assemble(const MeshToAssemble&) override {}
   void forget() override {}
 
  private:

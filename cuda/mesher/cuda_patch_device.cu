@@ -240,7 +240,7 @@ void CudaPatchDevice::place(const PatchPlaces& all, IndexedMesh& mesh) {
   });
 }
 
-void CudaPatchDevice::assemble(const MeshParts& parts) {
+void CudaPatchDevice::assemble(const MeshToAssemble& parts) {
   const DeviceScope scope(device_);
   const std::uint64_t all = memory(), kept = kept_bytes_;
   require_device_memory(assembly_bytes(parts), "the mesh", all - std::min(all, kept));

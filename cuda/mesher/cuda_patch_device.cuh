@@ -54,7 +54,7 @@ class CudaPatchDevice final : public PatchDevice {
   std::uint64_t batches() const override { return kept_.size(); }
   void place(const PatchPlaces& all, IndexedMesh& mesh) override;
   bool keeps_mesh() const override { return keeps_mesh_; }
-  void assemble(const MeshParts& parts) override;
+  void assemble(const MeshToAssemble& parts) override;
   void forget() override;
 
   // The mesh that assemble() has made last; its arrays are given back on the default stream. Empty

@@ -95,14 +95,14 @@ void place_first_vertices(const MeshPlacement& boundary, const std::uint32_t* fi
     uploads.push_back({there.data(), values.data(), there.bytes()});
     return there;
   };
-  const ArcSampling::Parts unequal = boundary.sampling().unequal_parts();
+  const ArcSampling::Fractions unequal = boundary.sampling().unequal_fractions();
   const auto balls = copy(boundary.balls().balls);
   const auto ids = copy(boundary.balls().ids);
   const auto corners = copy(boundary.boundary().corners);
   const auto arcs = copy(boundary.boundary().arcs);
   const auto pieces = copy(boundary.sampling().pieces());
-  const auto first_parts = copy(unequal.first);
-  const auto parts = copy(unequal.parts);
+  const auto first_fractions = copy(unequal.first);
+  const auto fractions = copy(unequal.values);
   upload_parts(uploads, stream);
   place_boundary({{balls.data(), ids.data(), boundary.unit()},
                   corners.data(),
@@ -111,8 +111,8 @@ void place_first_vertices(const MeshPlacement& boundary, const std::uint32_t* fi
                   static_cast<std::uint32_t>(arcs.size()),
                   pieces.data(),
                   first_vertices,
-                  first_parts.data(),
-                  parts.data()},
+                  first_fractions.data(),
+                  fractions.data()},
                  mesh.view(), stream);
 }
 
@@ -120,43 +120,43 @@ void place_first_vertices(const MeshPlacement& boundary, const std::uint32_t* fi
 class HostPatches {
  public:
   explicit HostPatches(std::span<const PatchOfHost> patches)
-      : patches_(patches), first_(patches.size() + 1, GatherPlace{0, 0, 0}) {
+      : patches_(patches), first_(patches.size() + 1, First{0, 0, 0}) {
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const PatchMesh& patch = *patches[i].patch;
       first_[i + 1] = {first_[i].interior + patch.interior.size(),
                        first_[i].triangle + patch.triangles.size(),
-                       first_[i].split + patch.sources.size()};
+                       first_[i].source + patch.sources.size()};
     }
   }
 
   // Of the device, while they are written.
   std::uint64_t bytes() const {
-    const GatherPlace& end = first_.back();
+    const First& end = first_.back();
     return end.interior * sizeof(Vec3d) + end.triangle * sizeof(Triangle) +
-           end.split * sizeof(PointSource) + patches_.size() * sizeof(PlacedPatch);
+           end.source * sizeof(PointSource) + patches_.size() * sizeof(PlacedPatch);
   }
 
   // Writes them into the mesh.
   void place(const std::uint32_t* first_vertices, double unit, const DeviceMesh& mesh,
              const Stream& stream) const {
-    const GatherPlace& end = first_.back();
+    const First& end = first_.back();
     Buffer<Vec3d> interior(end.interior);
     Buffer<std::array<std::uint32_t, 3>> triangles(end.triangle);
-    Buffer<PointSource> sources(end.split);
+    Buffer<PointSource> sources(end.source);
     for_each_index(patches_.size(), [&](std::size_t i) {
       const PatchMesh& patch = *patches_[i].patch;
       std::ranges::copy(patch.interior, interior.data() + first_[i].interior);
       std::ranges::copy(patch.triangles, triangles.data() + first_[i].triangle);
-      std::ranges::copy(patch.sources, sources.data() + first_[i].split);
+      std::ranges::copy(patch.sources, sources.data() + first_[i].source);
     });
     const DeviceArray<Vec3d> interior_there(end.interior, stream);
     const DeviceArray<std::array<std::uint32_t, 3>> triangles_there(end.triangle, stream);
-    const DeviceArray<PointSource> sources_there(end.split, stream);
+    const DeviceArray<PointSource> sources_there(end.source, stream);
     const auto patch = [&](std::size_t i) {
-      const GatherPlace& at = first_[i];
+      const First& at = first_[i];
       return placed(patches_[i].place,
                     {interior_there.data() + at.interior, triangles_there.data() + at.triangle,
-                     sources_there.data() + at.split, first_[i + 1].split - at.split},
+                     sources_there.data() + at.source, first_[i + 1].source - at.source},
                     {0, 0});
     };
     place_all(patches_.size(), patch,
@@ -168,7 +168,11 @@ class HostPatches {
 
  private:
   std::span<const PatchOfHost> patches_;
-  std::vector<GatherPlace> first_;  // `split` counts sources; the last one is the end
+  // Where the arrays of each patch begin; the last one is the end.
+  struct First {
+    std::uint64_t interior, triangle, source;
+  };
+  std::vector<First> first_;
 };
 
 // The host's patches travel in runs of about so many triangles, so that they take little memory
@@ -207,7 +211,7 @@ std::uint64_t MeshPart::device_bytes() const {
 }
 
 // The arrays of the boundary are counted as if all arcs had unequal pieces.
-std::uint64_t assembly_bytes(const MeshParts& parts) {
+std::uint64_t assembly_bytes(const MeshToAssemble& parts) {
   const BoundaryArcs& boundary = parts.boundary.boundary();
   const std::uint64_t of_arc = sizeof(BoundaryArc) + 3 * sizeof(std::uint32_t);
   std::uint64_t of_run = 0;
@@ -251,7 +255,8 @@ void write_part(const MeshPart& part, const KeptBatches& batches,
   download_part(part, written, mesh, stream);
 }
 
-DeviceMesh assemble_mesh(const MeshParts& parts, const KeptBatches& batches, const Stream& stream) {
+DeviceMesh assemble_mesh(const MeshToAssemble& parts, const KeptBatches& batches,
+                         const Stream& stream) {
   const PatchPlaces& kept = parts.kept;
   DeviceMesh mesh = empty_mesh(parts.size, stream);
   const DeviceArray<std::uint32_t> first_vertices(kept.first_vertices.size(), stream);

@@ -37,7 +37,8 @@ void write_part(const MeshPart& part, const KeptBatches& batches,
 
 // Makes a whole mesh in device memory, PatchDevice::assemble(), and the bytes of device memory that
 // this takes beside the kept patches.
-std::uint64_t assembly_bytes(const MeshParts& parts);
-DeviceMesh assemble_mesh(const MeshParts& parts, const KeptBatches& batches, const Stream& stream);
+std::uint64_t assembly_bytes(const MeshToAssemble& parts);
+DeviceMesh assemble_mesh(const MeshToAssemble& parts, const KeptBatches& batches,
+                         const Stream& stream);
 
 }  // namespace vdwmesh::mesher

@@ -96,13 +96,14 @@ __global__ void place_arcs(PlacedBoundary all, DeviceMeshView to) {
   if (a >= all.arc_count) return;
   const BoundaryArc& arc = all.arcs[a];
   const std::uint32_t pieces = all.pieces[a], first = arc.is_circle() ? 0 : 1,
-                      parts = all.first_parts[a];
+                      fractions = all.first_fractions[a];
   for (std::uint32_t k = first + threadIdx.x % 32; k < pieces; k += 32) {
-    double part = 0;
+    double fraction = 0;
     if (k > 0) {
-      part = parts == kNoIndex ? static_cast<double>(k) / pieces : all.parts[parts + k - 1];
+      fraction = fractions == kNoIndex ? static_cast<double>(k) / pieces
+                                       : all.fractions[fractions + k - 1];
     }
-    const Vec3d p = arc.at(arc.sweep * part);
+    const Vec3d p = arc.at(arc.sweep * fraction);
     write(boundary_vertex(p, {arc.balls[0], arc.balls[1], kNoIndex}, all.balls),
           std::uint64_t{all.first_vertices[a]} + k - first, to);
   }

@@ -72,8 +72,9 @@ struct PlacedBoundary {
   std::uint32_t corner_count, arc_count;
   const std::uint32_t* pieces;          // of each arc
   const std::uint32_t* first_vertices;  // ArcSampling::first_vertices()
-  const std::uint32_t* first_parts;     // ArcSampling::Parts
-  const double* parts;
+  // ArcSampling::Fractions
+  const std::uint32_t* first_fractions;
+  const double* fractions;
 };
 
 // Writes corners and sample points of arcs into a whole mesh, as MeshPlacement does.

@@ -89,9 +89,10 @@ std::uint64_t self_intersections_bytes(const MeshSize& m) {
 
 std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double exposed) {
   // Bytes per sphere of the triangulation, as a straight line in the exposed share of the area:
-  // kBuried - kLessExposed · exposed, but at least kLeast. Measured on the structure 6ZU5: 1220
-  // without a probe, where a third is exposed, and 2490 with a probe of 1.4 Å, where 6 % is. The
-  // line is above both: 1430 and 2720. kArcs is bytes per sphere of the method `arcs`.
+  // kBuried - kLessExposed · exposed, but at least kLeast. Measured on the structure 6ZU5: 1580
+  // without a probe, where 36 % is exposed, and 2710 with a probe of 1.4 Å, where 4 % is. The line
+  // is 2800 with the probe, but 1290 without: it is too low there (docs/robustness.md). kArcs is
+  // bytes per sphere of the method `arcs`.
   constexpr double kLeast = 900, kBuried = 3000, kLessExposed = 4700;
   constexpr std::uint64_t kArcs = 400;
   if (method == UnionMethod::arcs) return spheres * kArcs;

@@ -78,9 +78,9 @@ struct RefineResult {
 };
 
 // Bytes that refine() takes at its peak beyond its arguments: the mesh of the last level, its
-// parent, and the arrays for projection and for the search for crossings. This is about twice the
-// bytes of the mesh that it returns. If triangles name their spheres, nothing is searched, and it
-// is 4/3 of these bytes.
+// parent, and the arrays for projection and for the search for crossings. After a subdivision this
+// is about twice the bytes of the mesh that it returns, without one some three times. If triangles
+// name their spheres, nothing is searched, and it is 4/3 of these bytes.
 std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
                            int subdivisions, TriangleLabels labels = TriangleLabels::none);
 

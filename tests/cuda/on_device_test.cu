@@ -52,6 +52,16 @@ int current_device() {
   return device;
 }
 
+// The centres of rows x, y, z, r on the device.
+FrameCoordinates centers_of(const Copy<Sphere>& rows, std::size_t frames, std::size_t atoms) {
+  return {.first = rows.bytes(),
+          .frames = frames,
+          .atoms = atoms,
+          .frame_stride = static_cast<std::ptrdiff_t>(atoms * sizeof(Sphere)),
+          .atom_stride = sizeof(Sphere),
+          .axis_stride = sizeof(double)};
+}
+
 // Rows x, y, z, r on the device: coordinates and radii are columns of them.
 struct Rows {
   explicit Rows(const SphereSet& spheres)
@@ -59,12 +69,7 @@ struct Rows {
         memory(std::vector<Sphere>(spheres.spheres().begin(), spheres.spheres().end())) {}
 
   FrameCoordinates centers(std::size_t frames = 1) const {
-    return {.first = memory.bytes(),
-            .frames = frames,
-            .atoms = atoms / frames,
-            .frame_stride = static_cast<std::ptrdiff_t>(atoms / frames * sizeof(Sphere)),
-            .atom_stride = sizeof(Sphere),
-            .axis_stride = sizeof(double)};
+    return centers_of(memory, frames, atoms / frames);
   }
   DeviceNumbers radii() const {
     return {memory.bytes() + 3 * sizeof(double), CoordinateType::float64, sizeof(Sphere)};
@@ -271,12 +276,7 @@ TEST_F(OnDevice, ExactMeshesOfWrongInput) {
   std::vector<Sphere> wrong(3, Sphere{{0, 0, 0}, 1});
   wrong[1].center.y = kNan;
   const Copy<Sphere> memory(wrong);
-  const FrameCoordinates centers{.first = memory.bytes(),
-                                 .frames = 1,
-                                 .atoms = 3,
-                                 .frame_stride = 0,
-                                 .atom_stride = sizeof(Sphere),
-                                 .axis_stride = sizeof(double)};
+  const FrameCoordinates centers = centers_of(memory, 1, 3);
   const std::vector<double> radii(3, 1.5);
   EXPECT_THROW(exact_mesh_on_device(DeviceFrames(current_device(), centers, radii, 0), {}, {}),
                InvalidFrame);
@@ -353,12 +353,7 @@ TEST_F(OnDevice, RefusesWhatIsNoAtom) {
   std::vector<Sphere> balls(20, Sphere{{0, 0, 0}, 1});
   balls[17].center.y = kNan;
   const Copy<Sphere> memory(balls);
-  const FrameCoordinates centers{.first = memory.bytes(),
-                                 .frames = 2,
-                                 .atoms = 10,
-                                 .frame_stride = 10 * sizeof(Sphere),
-                                 .atom_stride = sizeof(Sphere),
-                                 .axis_stride = sizeof(double)};
+  const FrameCoordinates centers = centers_of(memory, 2, 10);
   std::vector<double> radii(10, 1.5);
   const DeviceFrames frames(current_device(), centers, radii, 0);
   EXPECT_EQ(frames.valid_frames(), 1u);

@@ -91,7 +91,7 @@ class HostedDevice final : public PatchDevice {
 
   // Puts the mesh together into `assembled`, if `is_keeper`.
   bool keeps_mesh() const override { return is_keeper; }
-  void assemble(const MeshParts& parts) override {
+  void assemble(const MeshToAssemble& parts) override {
     IndexedMesh& mesh = assembled.emplace();
     make_room(mesh, parts.size, {.labels = TriangleLabels::spheres, .width = LabelWidth::three});
     parts.boundary.place_corners(mesh);

@@ -95,17 +95,17 @@ Vec3d ArcSampling::point(std::uint32_t arc, std::uint32_t index) const {
   return a.at(a.sweep * part(arc, index));
 }
 
-ArcSampling::Parts ArcSampling::unequal_parts() const {
-  Parts all;
+ArcSampling::Fractions ArcSampling::unequal_fractions() const {
+  Fractions all;
   all.first.resize(unequal_.size());
   std::uint32_t next = 0;
   for (std::size_t a = 0; a < unequal_.size(); ++a) {
     all.first[a] = unequal_[a].empty() ? kNoIndex : next;
     next += static_cast<std::uint32_t>(unequal_[a].size());
   }
-  all.parts.resize(next);
+  all.values.resize(next);
   for_each_index(unequal_.size(), [&](std::size_t a) {
-    if (!unequal_[a].empty()) std::ranges::copy(unequal_[a], all.parts.data() + all.first[a]);
+    if (!unequal_[a].empty()) std::ranges::copy(unequal_[a], all.values.data() + all.first[a]);
   });
   return all;
 }

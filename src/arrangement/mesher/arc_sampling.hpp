@@ -83,12 +83,12 @@ class ArcSampling {
   double part(std::uint32_t arc, std::uint32_t index) const;
   // The fractions of all sample points of arcs with unequal pieces, one arc after another, and
   // where those of an arc begin; kNoIndex: its pieces are equal.
-  struct Parts {
+  struct Fractions {
     Buffer<std::uint32_t> first;
-    Buffer<double> parts;
+    Buffer<double> values;
   };
   // Precondition: the vertices are numbered, so that 32 bits number the points.
-  Parts unequal_parts() const;
+  Fractions unequal_fractions() const;
   // The angle (rad) by which the arc turns along the piece.
   double piece_angle(const ArcPiece& piece) const;
   // Splits pieces. `splits` must be sorted by piece and name each piece once, all with the numbers

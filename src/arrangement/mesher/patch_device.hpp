@@ -90,7 +90,7 @@ struct PatchOfHost {
 };
 
 // What a mesh in the device's memory is put together from.
-struct MeshParts {
+struct MeshToAssemble {
   MeshSize size;                         // of the mesh
   const MeshPlacement& boundary;         // places its first vertices: corners and points of arcs
   std::span<const PatchOfHost> of_host;  // ascending as PatchPlaces::places
@@ -122,7 +122,7 @@ class PatchDevice {
   // all the same: its boundary has features that were reduced to points.
   virtual bool keeps_mesh() const = 0;
   // Makes the mesh in the device's memory, where it stays. Throws DeviceMemoryExceeded.
-  virtual void assemble(const MeshParts& parts) = 0;
+  virtual void assemble(const MeshToAssemble& parts) = 0;
   // Gives the memory of kept results back, and begins to count batches anew.
   virtual void forget() = 0;
 };

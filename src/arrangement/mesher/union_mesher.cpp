@@ -88,8 +88,11 @@ class UnionMesher {
     });
     pieces_at_first_ = all_pieces();
     mesh_patches();
-    if (options_.min_angle > 0) count_small_angles();
-    if (options_.min_angle == 0) stats_.below_floor = team_.sum(angles_below_floor(patches_));
+    if (options_.min_angle > 0) {
+      count_small_angles();
+    } else {
+      stats_.below_floor = team_.sum(angles_below_floor(patches_));
+    }
     UnnumberedPiece piece;
     team_.together([&] {
       sampling_.number_vertices();
