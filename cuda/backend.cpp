@@ -1,7 +1,8 @@
 // The one place that chooses between the backends. Extractor, BatchExtractor, Refiner, FieldMesher,
 // UnionMeasurer, DistanceMeasurer, ExcludedMeasurer and pipeline come from the CPU, from CUDA, or,
 // for Backend::automatic on a machine with a device, from the classes Automatic*: these try CUDA
-// first and compute on the CPU what does not fit the device's memory (DeviceMemoryExceeded).
+// first and compute on the CPU what does not fit the device's memory (DeviceMemoryExceeded), and
+// everything if no device opens (BackendUnavailable).
 //
 // A pipeline extracts, then refines. If both stages do not fit on the device together, it runs them
 // one after the other, with the mesh on the host in between.
@@ -92,8 +93,9 @@ LevelObserver once_per_level(const LevelObserver& observer, int& next) {
   };
 }
 
-// Calls on_device() and, if that throws DeviceMemoryExceeded, on_cpu(). Returns an empty string, or
-// why the CPU had to do the work: "`done` on the CPU: " and what the device lacked.
+// Calls on_device() and, if that throws DeviceMemoryExceeded or BackendUnavailable, on_cpu().
+// Returns an empty string, or why the CPU had to do the work: "`done` on the CPU: " and what the
+// device lacked or why none opened.
 template <class OnDevice, class OnCpu>
 std::string with_fallback(const char* done, const OnDevice& on_device, const OnCpu& on_cpu) {
   std::string lack;
@@ -101,6 +103,8 @@ std::string with_fallback(const char* done, const OnDevice& on_device, const OnC
     on_device();
     return {};
   } catch (const DeviceMemoryExceeded& error) {
+    lack = error.what();
+  } catch (const BackendUnavailable& error) {
     lack = error.what();
   }
   // Outside the handler: the exception and what it holds are gone before the CPU starts.

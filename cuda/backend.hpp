@@ -27,7 +27,8 @@ struct DeviceInfo {
   std::uint64_t memory = 0;  // bytes
 };
 
-// The CUDA devices that this build can use: it has code for them, and they have memory pools. If
+// The CUDA devices that this build can use: it has code for them, they have memory pools, and their
+// compute mode lets programs use them. If
 // there is none, or if the build is without CUDA, the list is empty and `reason` says why.
 struct DeviceList {
   std::vector<DeviceInfo> devices;
@@ -59,13 +60,13 @@ inline constexpr std::size_t kSpheresWorthADevice = 100'000;
 
 // The CUDA backend keeps device memory between calls for the next call. This gives it back, after
 // all work on the devices has ended, so that the process can use a device for something else, such
-// as drawing. The memory is in each device's default pool (cudaMallocAsync), which the backend
-// tells to keep what it has. Throws CudaError.
+// as drawing. The memory is in pools of the backend's own, one for each device. Throws CudaError.
 void release_device_memory();
 
 // Each of these computes on the current device of the calling thread, or on the first usable device
 // if that one is not usable. If the work does not fit the device's memory, the objects for cuda
-// throw DeviceMemoryExceeded. The objects for automatic leave it to the CPU, and say so in the
+// throw DeviceMemoryExceeded; if no device opens, since other processes have taken them,
+// BackendUnavailable. The objects for automatic leave the work to the CPU then, and say so in the
 // `fallback` of their results.
 std::unique_ptr<Extractor> make_extractor(Backend backend);
 std::unique_ptr<BatchExtractor> make_batch_extractor(Backend backend);

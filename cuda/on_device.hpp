@@ -66,8 +66,8 @@ class DeviceFrames {
   // Frames before the first invalid one, and why that one is invalid; empty if none is.
   std::size_t valid_frames() const;
   const std::optional<InvalidFrame>& invalid() const;
-  // The boxes around the balls and around their centres, and the least radius, Å: of the balls of
-  // all frames. No meaning if a frame is invalid.
+  // The boxes around the balls of the first frame and around their centres, and the least radius of
+  // the balls, Å. No meaning if the first frame is invalid.
   const Box& balls() const;
   const Box& centers() const;
   double least_radius() const;

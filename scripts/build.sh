@@ -31,7 +31,6 @@ fitting=$(awk '/^MemAvailable:/ {print int($2 / 2000000)}' /proc/meminfo)
 [ "$fitting" -ge 1 ] || fitting=1
 [ "$jobs" -le "$fitting" ] || jobs=$fitting
 
-# Configured where that is missing or older than the presets; a build that finds its CMake files
-# changed configures itself again.
-[ "build/$preset/build.ninja" -nt CMakePresets.json ] || cmake --preset "$preset"
+# Always configured anew: what was missing at first (nvcc, MPI, libraries for pictures) may be there now.
+cmake --preset "$preset"
 cmake --build "build/$preset" --parallel "$jobs" ${1:+--target "$@"}

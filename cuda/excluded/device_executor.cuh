@@ -7,6 +7,7 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_select.cuh>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -79,7 +80,9 @@ class DeviceExecutor {
     });
     const std::uint64_t total = fetch(counts.data() + counts.size() - 1, stream_);
     if (total > std::numeric_limits<std::uint32_t>::max() / 8) {
-      throw DeviceMemoryExceeded("more than 2^29 elements of the excluded surface");
+      throw DeviceMemoryExceeded(
+          "the excluded surface has " + std::to_string(total) +
+          " elements of one kind, a device numbers at most 2^29: choose the cpu backend");
     }
     return total;
   }

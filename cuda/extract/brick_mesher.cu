@@ -111,16 +111,18 @@ DeviceBrickMesher::DeviceBrickMesher(const BrickSource& source, const ExtractOpt
 
 // ---- memory ----
 
+// Bytes that may be taken in all: the sharers of a device share what the options allow on it.
+std::uint64_t DeviceBrickMesher::allowed() const { return options_.device_memory / sharers_; }
+
 // Bytes that may still be taken.
 std::uint64_t DeviceBrickMesher::room() const {
-  return std::min(options_.device_memory - std::min(taken_, options_.device_memory),
-                  available_device_memory() / sharers_);
+  return std::min(allowed() - std::min(taken_, allowed()), available_device_memory() / sharers_);
 }
 
 // The pool knows at once what it has to spare. room() asks the driver of the device, which takes as
 // long as a small extraction, so it is asked only if the pool has too little.
 bool DeviceBrickMesher::fits(std::uint64_t bytes) const {
-  if (taken_ + bytes > options_.device_memory) return false;
+  if (taken_ + bytes > allowed()) return false;
   return bytes <= spare_device_memory() / sharers_ || bytes <= room();
 }
 

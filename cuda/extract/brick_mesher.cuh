@@ -58,6 +58,7 @@ class DeviceBrickMesher {
     BrickSums from, to;  // numbers of its first vertex and triangle, and of those behind it
   };
 
+  std::uint64_t allowed() const;
   std::uint64_t room() const;
   bool fits(std::uint64_t bytes) const;
   [[noreturn]] void throw_no_room(std::uint64_t need) const;

@@ -328,13 +328,12 @@ void test_all_children(const Fields& fields, const KeyList& parents, int child_l
   }
 }
 
-// Throws LimitExceeded if the kept blocks are more than `most`, the number of bricks that fit in
-// the memory allowed. At level 0 the blocks are bricks. Above it, where a kept block may have
-// several bricks with surface, or none, the limit only keeps the lists short.
+// Throws LimitExceeded if there are more than `most` bricks, the number that fits in the memory
+// allowed. Blocks above level 0 are not bricks: one may have several with surface, or none.
 void check_kept(std::uint64_t count, std::uint64_t most) {
   if (count <= most) return;
   throw LimitExceeded("the search for the surface keeps " + std::to_string(count) +
-                      " blocks of bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
+                      " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
                       " fit in the memory allowed: choose a larger spacing");
 }
 
@@ -471,7 +470,6 @@ KeyList candidates_of(const Fields& fields, const KeyRange& range, std::uint64_t
   KeyList blocks = std::move(first.blocks);
   for (int level = first.level; level > 1; --level) {
     blocks = surviving_children(fields, blocks, level - 1, range, stream);
-    check_kept(blocks.count, most);
   }
   // Marks cost a byte per brick of the grid, to be cleared and read; a list costs 17 bytes per
   // child and a sort. Up to this many marks per child, marking takes no longer than sorting.

@@ -403,13 +403,14 @@ void emit_vertices(const Fields& fields, const BrickList& bricks, std::uint32_t 
   const std::uint32_t room = std::min(most_atoms, kMostAtoms);
   shape.shared = kBrickWarps * (room * sizeof(VertexAtom) + (room + kWarp) * sizeof(std::uint32_t));
   with_blended(fields.kind(), [&]<class Kind>(Kind) {
-    const auto kernel = most_atoms <= kMostAtoms ? emit_blended_vertices<Kind, Fields>
-                                                 : emit_crowded_vertices<Kind, Fields>;
+    const bool crowded = most_atoms > kMostAtoms;
+    const auto kernel =
+        crowded ? emit_crowded_vertices<Kind, Fields> : emit_blended_vertices<Kind, Fields>;
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                     static_cast<int>(shape.shared)),
                "shared memory");
-    launch("emit_blended_vertices", kernel, shape, stream, fields, bricks, sharers,
-           static_cast<const KeptBlended*>(kept), mesh, clamped, room);
+    launch(crowded ? "emit_crowded_vertices" : "emit_blended_vertices", kernel, shape, stream,
+           fields, bricks, sharers, static_cast<const KeptBlended*>(kept), mesh, clamped, room);
   });
 }
 

@@ -1,15 +1,21 @@
-// Looks for devices that this build can use, makes one of them current, and handles their memory
-// pools. A device is usable if its compute capability is new enough, if it supports memory pools,
-// and if the build has machine code for it or PTX (code for a virtual architecture) that its driver
-// can compile. The memory pool of a device in use keeps what is given back to it until
-// release_cuda_memory() trims it.
+// Looks for devices that this build can use, opens one of them, and handles the memory pools. A
+// device is usable if its compute capability is new enough, if it supports memory pools, if its
+// compute mode lets programs use it, and if the build has machine code for it or PTX (code for a
+// virtual architecture) that its driver can compile. Whether a usable device opens is known only
+// when that is tried: one in exclusive mode may belong to another process by then, and another's
+// memory may be full.
+//
+// Device arrays come from pools of the backend's own, one for each device, so that nothing that the
+// backend keeps or trims is memory of another library in the process. A pool keeps what is given
+// back to it until release_cuda_memory() trims it.
 //
 // Compute capabilities are written as 10 x the version: 80 is 8.0. After a CUDA call that may fail,
 // cudaGetLastError() clears the error that the runtime has noted, so that check_launch() does not
 // find it later.
 #include <algorithm>
+#include <array>
+#include <map>
 #include <mutex>
-#include <set>
 #include <string>
 
 #include "cuda/cuda_backend.hpp"
@@ -90,6 +96,9 @@ std::string obstacle(int device) {
            capability_name(kLeastCapability) + " or later";
   }
   if (attribute(cudaDevAttrMemoryPoolsSupported, device) == 0) return "no memory pools";
+  if (attribute(cudaDevAttrComputeMode, device) == cudaComputeModeProhibited) {
+    return "its compute mode lets no program use it";
+  }
   if (!has_code(device, capability)) {
     return "compute capability " + capability_name(capability) +
            ", for which this build has no code";
@@ -121,27 +130,64 @@ DeviceInfo describe(int device) {
   return {properties.name, version_name(driver), properties.totalGlobalMem};
 }
 
-// The devices whose memory pools have been told to keep what is given back. Never destroyed:
-// release_cuda_memory() may be called while the process ends, after static objects are destroyed.
-struct KeptPools {
+// The pools of the devices in use. Never destroyed: release_cuda_memory() may be called while the
+// process ends, after static objects are destroyed.
+struct MemoryPools {
   std::mutex mutex;
-  std::set<int> devices;
+  std::map<int, cudaMemPool_t> of_device;
 };
-KeptPools& kept_pools() {
-  static auto* const kept = new KeptPools;
-  return *kept;
+MemoryPools& memory_pools() {
+  static auto* const all = new MemoryPools;
+  return *all;
 }
 
-// Tells the pool of the current device, which is `device`, to keep all its memory; once per device.
-void keep_memory(int device) {
-  KeptPools& kept = kept_pools();
-  const std::lock_guard lock(kept.mutex);
-  if (kept.devices.contains(device)) return;
+// The pool of the device, made by the first call. Its release threshold makes it keep all memory.
+cudaMemPool_t memory_pool(int device) {
+  MemoryPools& pools = memory_pools();
+  const std::lock_guard lock(pools.mutex);
+  const auto found = pools.of_device.find(device);
+  if (found != pools.of_device.end()) return found->second;
+  cudaMemPoolProps properties{};
+  properties.allocType = cudaMemAllocationTypePinned;
+  properties.location = {cudaMemLocationTypeDevice, device};
+  cudaMemPool_t pool = nullptr;
+  check_cuda(cudaMemPoolCreate(&pool, &properties), "memory pool");
   std::uint64_t threshold = ~std::uint64_t{0};
-  check_cuda(
-      cudaMemPoolSetAttribute(current_memory_pool(), cudaMemPoolAttrReleaseThreshold, &threshold),
-      "memory pool");
-  kept.devices.insert(device);
+  check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold),
+             "memory pool");
+  return pools.of_device[device] = pool;
+}
+
+// Whether the error says that the device cannot be opened now, though the program does nothing
+// wrong: another process has it, its memory has no room for a context, or its driver is not ready.
+bool is_taken(cudaError_t status) {
+  constexpr std::array kTaken = {cudaErrorDevicesUnavailable,      cudaErrorMemoryAllocation,
+                                 cudaErrorDeviceUninitialized,     cudaErrorInitializationError,
+                                 cudaErrorSystemNotReady,          cudaErrorSystemDriverMismatch,
+                                 cudaErrorMpsConnectionFailed,     cudaErrorMpsRpcFailure,
+                                 cudaErrorMpsServerNotReady,       cudaErrorMpsMaxClientsReached,
+                                 cudaErrorMpsMaxConnectionsReached};
+  return std::ranges::find(kTaken, status) != kTaken.end();
+}
+
+// Makes the device current, which opens it on its first use. Returns an empty string, or why the
+// device does not open.
+std::string open_device(int device) {
+  const cudaError_t status = cudaSetDevice(device);
+  if (is_taken(status)) {
+    cudaGetLastError();
+    return describe(device).name + " does not open: " + cudaGetErrorString(status);
+  }
+  check_cuda(status, "device");
+  memory_pool(device);
+  return {};
+}
+
+// The usable devices, `first` before all others if it is one of them.
+std::vector<int> usable_devices_from(int first) {
+  std::vector<int> usable = usable_devices();
+  std::ranges::stable_partition(usable, [&](int device) { return device == first; });
+  return usable;
 }
 
 }  // namespace
@@ -177,23 +223,27 @@ DeviceList find_cuda_devices() {
 
 void share_cuda_devices(std::size_t process) {
   const std::vector<int> usable = usable_devices();
-  if (!usable.empty()) use_device(usable[process % usable.size()]);
+  // If the device does not open, the calls that need one say so.
+  if (!usable.empty()) open_device(usable[process % usable.size()]);
 }
 
 void use_device(int device) {
-  check_cuda(cudaSetDevice(device), "device");
-  keep_memory(device);
+  const std::string obstacle = open_device(device);
+  if (!obstacle.empty()) throw BackendUnavailable(obstacle);
 }
 
-DeviceScope::DeviceScope() : before_(current_device()), used_(before_) {
-  const std::vector<int> usable = usable_devices();
-  if (usable.empty()) throw BackendUnavailable(find_cuda_devices().reason);
-  // The device that is current is used if it can be, else the first usable one.
-  if (std::ranges::find(usable, before_) == usable.end()) used_ = usable.front();
-  use_device(used_);
+DeviceScope::DeviceScope() : before_(current_device()) {
+  std::string reason;
+  for (const int device : usable_devices_from(before_)) {
+    const std::string obstacle = open_device(device);
+    if (obstacle.empty()) return;
+    reason += (reason.empty() ? "no CUDA device (" : "; ") + obstacle;
+  }
+  cudaSetDevice(before_);
+  throw BackendUnavailable(reason.empty() ? find_cuda_devices().reason : reason + ")");
 }
 
-DeviceScope::DeviceScope(int device) : before_(current_device()), used_(device) {
+DeviceScope::DeviceScope(int device) : before_(current_device()) {
   if (const std::vector<int> usable = usable_devices();
       std::ranges::find(usable, device) == usable.end()) {
     throw BackendUnavailable("CUDA device " + std::to_string(device) +
@@ -202,9 +252,8 @@ DeviceScope::DeviceScope(int device) : before_(current_device()), used_(device) 
   use_device(device);
 }
 
-DeviceScope::~DeviceScope() {
-  if (used_ != before_) cudaSetDevice(before_);
-}
+// Workers on other devices may have made these current.
+DeviceScope::~DeviceScope() { cudaSetDevice(before_); }
 
 QuietDeviceScope::QuietDeviceScope(int device) noexcept {
   cudaGetDevice(&before_);
@@ -220,21 +269,21 @@ unsigned multiprocessors() {
   return static_cast<unsigned>(count);
 }
 
-cudaMemPool_t current_memory_pool() {
-  cudaMemPool_t pool = nullptr;
-  check_cuda(cudaDeviceGetDefaultMemPool(&pool, current_device()), "memory pool");
-  return pool;
+bool reads_pageable_memory() {
+  return attribute(cudaDevAttrPageableMemoryAccess, current_device()) != 0;
 }
 
+cudaMemPool_t current_memory_pool() { return memory_pool(current_device()); }
+
 void release_cuda_memory() {
-  KeptPools& kept = kept_pools();
-  const std::lock_guard lock(kept.mutex);
-  if (kept.devices.empty()) return;
+  MemoryPools& pools = memory_pools();
+  const std::lock_guard lock(pools.mutex);
+  if (pools.of_device.empty()) return;
   const RestoredDevice restored;
-  for (const int device : kept.devices) {
+  for (const auto& [device, pool] : pools.of_device) {
     check_cuda(cudaSetDevice(device), "device");
     check_cuda(cudaDeviceSynchronize(), "waiting for the device");
-    check_cuda(cudaMemPoolTrimTo(current_memory_pool(), 0), "memory pool");
+    check_cuda(cudaMemPoolTrimTo(pool, 0), "memory pool");
   }
 }
 

@@ -1,4 +1,4 @@
-// Allocates device memory from the default pool of the current device; if that fails, the pool
+// Allocates device memory from the backend's pool of the current device; if that fails, the pool
 // gives its unused memory back to the driver, and the allocation is tried once more. Staging
 // buffers are page-locked if the system has such memory to give. A FetchPlace takes its buffer from
 // a list of free ones and puts it back there.
@@ -25,16 +25,21 @@ FreePlaces& free_places() {
 
 void* allocate_on_device(std::size_t bytes, cudaStream_t stream) {
   void* memory = nullptr;
-  cudaError_t status = cudaMallocAsync(&memory, bytes, stream);
+  const cudaMemPool_t pool = current_memory_pool();
+  cudaError_t status = cudaMallocFromPoolAsync(&memory, bytes, pool, stream);
   if (status == cudaErrorMemoryAllocation) {
     cudaGetLastError();
     // Arrays that the stream has yet to give back count as unused only after the wait.
     check_cuda(cudaStreamSynchronize(stream), "waiting for the device");
-    check_cuda(cudaMemPoolTrimTo(current_memory_pool(), 0), "memory pool");
-    status = cudaMallocAsync(&memory, bytes, stream);
+    check_cuda(cudaMemPoolTrimTo(pool, 0), "memory pool");
+    status = cudaMallocFromPoolAsync(&memory, bytes, pool, stream);
   }
   check_cuda(status, "device memory");
   return memory;
+}
+
+void end_upload(cudaStream_t stream) {
+  if (reads_pageable_memory()) check_cuda(cudaStreamSynchronize(stream), "upload");
 }
 
 StagingBuffer::StagingBuffer(std::size_t bytes) {

@@ -106,9 +106,16 @@ DeviceArray<T> copy_of(const T* from, std::size_t size, cudaStream_t stream,
   return copy;
 }
 
+// Returns once the caller may change or free the memory of the host that a copy to the device
+// reads. The runtime stages pageable memory before it returns, except on devices that read pageable
+// memory themselves (as Grace Hopper does): there the copy is waited for.
+void end_upload(cudaStream_t stream);
+
 template <class T>
 DeviceArray<T> upload(const T* host, std::size_t size, cudaStream_t stream) {
-  return copy_of(host, size, stream, cudaMemcpyHostToDevice);
+  DeviceArray<T> copy = copy_of(host, size, stream, cudaMemcpyHostToDevice);
+  if (size > 0) end_upload(stream);
+  return copy;
 }
 
 // Host memory into which copies from the device go. Its pages are locked, so that the device writes

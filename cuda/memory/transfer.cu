@@ -2,6 +2,8 @@
 // common counter. Each thread has a "lane": a stream and two page-locked buffers. The device fills
 // or reads one buffer while the thread copies between the other and the caller's memory. The lanes
 // are kept for later transfers, because locking their pages takes as long as a small transfer.
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -9,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 #include "core/copy_past_caches.hpp"
 #include "cuda/memory/run_on_threads.hpp"
@@ -20,7 +21,7 @@ namespace {
 
 constexpr std::size_t kChunk = std::size_t{2} << 20;
 constexpr std::size_t kChunksPerThread = 3;  // a thread with fewer chunks does not pay
-constexpr unsigned kMostThreads = 16;
+constexpr int kMostThreads = 16;
 
 // A transfer of so many bytes is more than caches hold, 300 MB in all on the largest hosts
 // measured. A download then stores past them: where two devices download at once, the memory of the
@@ -111,8 +112,9 @@ class Staging {
   template <class Part>
   void copy(int device, const std::vector<Part>& chunks, cudaEvent_t ready) {
     const std::lock_guard lock(mutex_);
-    // More threads than cores would not copy faster.
-    const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
+    // More threads than the caller's loops may have would not copy faster, or not as asked.
+    const auto cores = static_cast<std::size_t>(
+        std::clamp(tbb::this_task_arena::max_concurrency(), 1, kMostThreads));
     const std::size_t threads = std::clamp<std::size_t>(chunks.size() / kChunksPerThread, 1, cores);
     while (lanes_.size() < threads) lanes_.push_back(std::make_unique<StagingLane>());
     std::size_t bytes = 0;

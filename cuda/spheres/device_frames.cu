@@ -1,7 +1,7 @@
 // Makes the balls of atoms whose coordinates lie in device memory. One kernel reads coordinates and
 // radii where they lie, whatever their type and strides, writes the balls in rows, checks them, and
-// finds the boxes around them. Only the boxes and the index of the first bad row come to the host,
-// which then says what is wrong with it.
+// finds the boxes around those of the first frame. Only the boxes and the index of the first bad
+// row come to the host, which then says what is wrong with it.
 #include <algorithm>
 #include <string>
 
@@ -94,8 +94,10 @@ __global__ void gather_balls(AtomSource from, Sphere* rows, Survey* survey) {
     if (!is_radius(radius, from.probe))
       atomicMin(&survey->bad_radius, static_cast<unsigned long long>(atom));
     if (!is_sphere({c, r})) atomicMin(&survey->bad_row, static_cast<unsigned long long>(i));
-    own.centers.include(c, c);
-    own.balls.include({c.x - r, c.y - r, c.z - r}, {c.x + r, c.y + r, c.z + r});
+    if (i < from.centers.atoms) {  // the first frame, which alone is ever meshed
+      own.centers.include(c, c);
+      own.balls.include({c.x - r, c.y - r, c.z - r}, {c.x + r, c.y + r, c.z + r});
+    }
     own.least_radius = min(own.least_radius, ordered(r));
   }
   own.balls.join_warp_into(survey->balls);

@@ -27,7 +27,7 @@ struct ExtractOptions {
   Workspace* workspace = nullptr;  // if not null, it keeps memory and the cell list for later calls
   MeshSizeObserver on_size;  // may be empty; called when the size is known, before the mesh is made
   // For the CUDA backend; the mesh does not depend on them. If the work does not fit in
-  // `device_memory` bytes, or in the free memory of the device, it is divided into slabs, runs of
+  // `device_memory` bytes of each device, or in its free memory, it is divided into slabs, runs of
   // consecutive bricks. The slabs are shared among this number of devices; if the machine has
   // fewer, a device takes the slabs of several.
   std::uint64_t device_memory = kNoMemoryLimit;

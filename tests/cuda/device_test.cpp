@@ -106,7 +106,61 @@ TEST_F(Devices, ProcessesTakeThemInTurn) {
   EXPECT_EQ(fake_runtime().current, 0);
 }
 
-// Device numbers of their own: a process tells a pool once.
+TEST_F(Devices, WhoseModeForbidsUseAreLeftOut) {
+  fake_runtime().devices = {{"a", kNewEnough}};
+  fake_runtime().devices[0].mode = cudaComputeModeProhibited;
+  EXPECT_THAT(cuda_devices().reason, HasSubstr("a: its compute mode lets no program use it"));
+  EXPECT_EQ(resolve(Backend::automatic), Backend::cpu);
+}
+
+// A device in exclusive mode that another process has is usable until it is opened.
+TEST_F(Devices, TheNextIsTakenWhereOneDoesNotOpen) {
+  fake_runtime().devices = {{"a", kNewEnough}, {"b", kNewEnough}};
+  fake_runtime().devices[0].opens = cudaErrorDevicesUnavailable;
+  {
+    const DeviceScope scope;
+    EXPECT_EQ(fake_runtime().current, 1);
+  }
+  EXPECT_EQ(fake_runtime().current, 0);
+  EXPECT_THROW(DeviceScope(0), BackendUnavailable);
+  share_devices(0);  // says nothing: the calls that need a device do
+}
+
+TEST_F(Devices, AutomaticBackendsLeaveEverythingToTheCpuWhereNoneOpens) {
+  const SphereSet spheres({{{0, 0, 0}, 1.5}, {{2, 0, 0}, 1.7}});
+  const ExtractOptions options;
+  for (const cudaError_t error : {cudaErrorDevicesUnavailable, cudaErrorMemoryAllocation}) {
+    fake_runtime().devices = {{"taken", kNewEnough}};
+    fake_runtime().devices[0].opens = error;
+    EXPECT_THROW(make_extractor(Backend::cuda)->extract(spheres, options), BackendUnavailable);
+    const ExtractResult extracted = make_extractor(Backend::automatic)->extract(spheres, options);
+    EXPECT_EQ(hash(extracted.mesh), hash(make_cpu_extractor()->extract(spheres, options).mesh));
+    EXPECT_THAT(extracted.fallback,
+                HasSubstr(std::string("on the CPU: no CUDA device (taken does not open: ") +
+                          cudaGetErrorString(error)));
+  }
+}
+
+// An error of our own, such as that of a kernel that has failed before, is no reason to fall back.
+TEST_F(Devices, OtherErrorsOfOpeningAreErrors) {
+  fake_runtime().devices = {{"a", kNewEnough}};
+  fake_runtime().devices[0].opens = cudaErrorIllegalAddress;
+  EXPECT_THROW(DeviceScope(), CudaError);
+  fake_runtime().last_error = cudaSuccess;
+}
+
+TEST_F(Devices, UploadsAreWaitedForWhereTheDeviceReadsTheHostsMemory) {
+  for (const bool reads : {false, true}) {
+    fake_runtime() = {};
+    fake_runtime().devices = {{"a", kNewEnough}};
+    fake_runtime().devices[0].reads_pageable_memory = reads;
+    const std::vector<int> host = {1, 2, 3};
+    const DeviceArray<int> there = upload(host.data(), host.size(), nullptr);
+    EXPECT_EQ(fake_runtime().stream_waits, reads ? 1 : 0);
+  }
+}
+
+// Device numbers of their own: a process makes a pool once.
 TEST_F(Devices, PoolsKeepTheirMemoryUntilItIsReleased) {
   fake_runtime().devices.assign(12, FakeDevice{"d", kNewEnough});
   fake_runtime().current = 9;
@@ -122,6 +176,16 @@ TEST_F(Devices, PoolsKeepTheirMemoryUntilItIsReleased) {
   EXPECT_EQ(fake_runtime().current, 9);
 }
 
+// As a worker on another device leaves it.
+TEST_F(Devices, AScopeGivesBackTheFormerDeviceWhateverWasMadeCurrent) {
+  fake_runtime().devices = {{"a", kNewEnough}, {"b", kNewEnough}};
+  {
+    const DeviceScope scope;
+    use_device(1);
+  }
+  EXPECT_EQ(fake_runtime().current, 0);
+}
+
 TEST_F(Devices, ReleasingThatFailsLeavesTheDeviceCurrent) {
   fake_runtime().devices.assign(14, FakeDevice{"d", kNewEnough});
   fake_runtime().current = 13;
@@ -134,7 +198,7 @@ TEST_F(Devices, ReleasingThatFailsLeavesTheDeviceCurrent) {
 
 TEST_F(Devices, MemoryIsAskedForAgainOnceThePoolIsEmptied) {
   fake_runtime().devices = {{"a", kNewEnough}};
-  fake_runtime().failures["cudaMallocAsync"] = {0, 1, cudaErrorMemoryAllocation};
+  fake_runtime().failures["cudaMallocFromPoolAsync"] = {0, 1, cudaErrorMemoryAllocation};
   const DeviceArray<int> array(10, nullptr);
   EXPECT_NE(array.data(), nullptr);
   EXPECT_EQ(fake_runtime().devices[0].trims, 1);
@@ -142,14 +206,14 @@ TEST_F(Devices, MemoryIsAskedForAgainOnceThePoolIsEmptied) {
 
 TEST_F(Devices, MemoryThatCannotBeHadIsTheDevices) {
   fake_runtime().devices = {{"a", kNewEnough}};
-  fake_runtime().failures["cudaMallocAsync"] = {0, 1000, cudaErrorMemoryAllocation};
+  fake_runtime().failures["cudaMallocFromPoolAsync"] = {0, 1000, cudaErrorMemoryAllocation};
   EXPECT_THROW(DeviceArray<int>(10, nullptr), DeviceMemoryExceeded);
 }
 
 // The CPU's results, which say what was lacking.
 TEST_F(Devices, AutomaticBackendsLeaveToTheCpuWhatDoesNotFit) {
   fake_runtime().devices = {{"a", kNewEnough}};
-  fake_runtime().failures["cudaMallocAsync"] = {0, 1000, cudaErrorMemoryAllocation};
+  fake_runtime().failures["cudaMallocFromPoolAsync"] = {0, 1000, cudaErrorMemoryAllocation};
   const SphereSet spheres({{{0, 0, 0}, 1.5}, {{2, 0, 0}, 1.7}});
   ExtractOptions options;
   options.field.kind = FieldKind::blinn;

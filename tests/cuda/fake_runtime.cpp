@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <utility>
 
 namespace vdwmesh::testing {
@@ -65,7 +66,13 @@ cudaError_t cudaGetDevice(int* number) {
 }
 
 cudaError_t cudaSetDevice(int number) {
-  fake_runtime().current = number;
+  // The real function makes the device current also if it does not open.
+  FakeRuntime& runtime = fake_runtime();
+  runtime.current = number;
+  const auto n = static_cast<std::size_t>(number);
+  if (n < runtime.devices.size() && runtime.devices[n].opens != cudaSuccess) {
+    return runtime.last_error = runtime.devices[n].opens;
+  }
   return outcome("cudaSetDevice");
 }
 
@@ -76,6 +83,8 @@ cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr which, int number)
   if (which == cudaDevAttrComputeCapabilityMajor) *value = d.capability / 10;
   if (which == cudaDevAttrComputeCapabilityMinor) *value = d.capability % 10;
   if (which == cudaDevAttrMemoryPoolsSupported) *value = d.has_pools ? 1 : 0;
+  if (which == cudaDevAttrComputeMode) *value = d.mode;
+  if (which == cudaDevAttrPageableMemoryAccess) *value = d.reads_pageable_memory ? 1 : 0;
   return outcome("cudaDeviceGetAttribute");
 }
 
@@ -93,9 +102,9 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int number) {
   return outcome("cudaGetDeviceProperties");
 }
 
-cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t* pool, int number) {
-  *pool = pool_of(number);
-  return outcome("cudaDeviceGetDefaultMemPool");
+cudaError_t cudaMemPoolCreate(cudaMemPool_t* pool, const cudaMemPoolProps* properties) {
+  *pool = pool_of(properties->location.id);
+  return outcome("cudaMemPoolCreate");
 }
 
 cudaError_t cudaMemPoolSetAttribute(cudaMemPool_t pool, cudaMemPoolAttr, void* value) {
@@ -121,8 +130,8 @@ cudaError_t cudaMemPoolTrimTo(cudaMemPool_t pool, std::size_t) {
   return outcome("cudaMemPoolTrimTo");
 }
 
-cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t) {
-  const cudaError_t status = outcome("cudaMallocAsync");
+cudaError_t cudaMallocFromPoolAsync(void** memory, std::size_t bytes, cudaMemPool_t, cudaStream_t) {
+  const cudaError_t status = outcome("cudaMallocFromPoolAsync");
   if (status != cudaSuccess) return status;
   *memory = std::malloc(bytes);
   ++fake_runtime().allocated;
@@ -157,7 +166,16 @@ cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned) {
 
 cudaError_t cudaStreamDestroy(cudaStream_t) { return outcome("cudaStreamDestroy"); }
 
-cudaError_t cudaStreamSynchronize(cudaStream_t) { return outcome("cudaStreamSynchronize"); }
+cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind,
+                            cudaStream_t) {
+  std::memcpy(to, from, bytes);
+  return outcome("cudaMemcpyAsync");
+}
+
+cudaError_t cudaStreamSynchronize(cudaStream_t) {
+  ++fake_runtime().stream_waits;
+  return outcome("cudaStreamSynchronize");
+}
 
 cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned) {
   const cudaError_t status = outcome("cudaEventCreateWithFlags");

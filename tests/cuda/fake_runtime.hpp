@@ -19,6 +19,9 @@ struct FakeDevice {
   bool runs_ptx = true;     // the build has code that the driver can compile for it
   std::uint64_t keeps = 0;  // release threshold of its pool, bytes
   int thresholds_set = 0, trims = 0;
+  cudaComputeMode mode = cudaComputeModeDefault;
+  cudaError_t opens = cudaSuccess;  // what cudaSetDevice() answers
+  bool reads_pageable_memory = false;
 };
 
 struct FakeRuntime {
@@ -34,6 +37,7 @@ struct FakeRuntime {
   };
   std::map<std::string, Failure> failures;
   int events = 0, locked = 0, allocated = 0;  // created and not yet destroyed
+  int stream_waits = 0;                       // calls of cudaStreamSynchronize()
 };
 
 // The runtime of this process; assign {} to begin anew.

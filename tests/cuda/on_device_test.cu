@@ -172,6 +172,18 @@ TEST_F(OnDevice, MeshesAreThoseOfThePipeline) {
   }
 }
 
+// The second frame lies elsewhere; the grid of the first must not reach to it.
+TEST_F(OnDevice, TheMeshIsThatOfTheFirstFrame) {
+  const std::vector<Sphere> first = {{{0, 0, 0}, 1.7}, {{2, 0.5, 0}, 1.5}};
+  std::vector<Sphere> both = first;
+  for (const Sphere& s : first) both.push_back({s.center + Vec3d{-7.3, 20, 5}, s.radius});
+  const Rows rows((SphereSet(both)));
+  const ExtractOptions extract = options_of(FieldKind::vdw, 0.6);
+  const RefineOptions refine{.projection = Projection::none};
+  expect_same_mesh(mesh_on_device(rows.frames(2), extract, refine), SphereSet(first), extract,
+                   refine, "two frames");
+}
+
 std::string refusal(const auto& call) {
   try {
     call();
