@@ -36,14 +36,14 @@ std::string name_of(const Site& site) {
                     "'{} {} RADIUS'",
                     file.path, name, site.place->residue->name, site.atom->name.view()));
   if (site.atom->element == gemmi::El::X)
-    throw InvalidInput(
-        fmt::format("{}: the element of {} cannot be told; give --radii FILE with "
-                    "a line '{} {} RADIUS'",
-                    file.path, name, site.place->residue->name, site.atom->name.view()));
+    throw InvalidInput(fmt::format(
+        "{}: the element of {} cannot be told; leave such atoms out with --select "
+        "'[!X]', or give --radii {},FILE with a line '{} {} RADIUS'",
+        file.path, name, radius_set, site.place->residue->name, site.atom->name.view()));
   throw InvalidInput(
       fmt::format("{}: the radius set {} has no radius for element {} of {}; give "
-                  "--radii FILE with a line '{} RADIUS'",
-                  file.path, radius_set, gemmi::element_name(site.atom->element), name,
+                  "--radii {},FILE with a line '{} RADIUS'",
+                  file.path, radius_set, gemmi::element_name(site.atom->element), name, radius_set,
                   gemmi::element_name(site.atom->element)));
 }
 

@@ -71,8 +71,9 @@ bool same_text(std::string_view a, std::string_view b) {
   return a.size() == b.size() && (a.data() == b.data() || a == b);
 }
 
-// gemmi's element of a symbol, of which it looks at two letters.
+// gemmi's element of a symbol. gemmi looks at two letters alone, so longer texts are of none.
 gemmi::El element_of(std::string_view symbol) {
+  if (symbol.size() > 2) return gemmi::El::X;
   std::array<char, 3> letters{};
   symbol.substr(0, 2).copy(letters.data(), 2);
   return gemmi::find_element(letters.data());
@@ -159,13 +160,24 @@ void AtomSiteBuilder::open_residue(const AtomSiteRow& row) {
   if (kind == 'A' || kind == 'H') residue_->het_flag = kind;
 }
 
-// If the file gives no symbol, the names of atom and residue decide.
+// A symbol of three letters or more is refused unless it is the atom's name: its first two letters
+// would be those of another element ("Carbon").
 void AtomSiteBuilder::set_element(const AtomSiteRow& row, AtomRecord& record) {
   record.element = row.element != gemmi::El::X ? row.element : symbol_element(row.symbol);
-  if (!row.symbol.empty()) return;
-  record.element_guessed = true;
-  if (is_martini_bead(row.atom, row.residue)) file_.coarse_grained = true;
-  record.element = element_of(element_of_bare_name(row.atom, row.residue));
+  if (record.element == gemmi::El::X && row.symbol.size() > 2 && is_letter(row.symbol[2]) &&
+      is_letter(row.symbol[1]) && !same_letters(row.symbol, row.atom))
+    refuse(file_.path, fmt::format("row {} of _atom_site: type_symbol is {}, not the symbol of an "
+                                   "element, such as C or ZN",
+                                   file_.atoms.size(), in_quotes(row.symbol)));
+  if (row.symbol.empty() && is_martini_bead(row.atom, row.residue)) file_.coarse_grained = true;
+  if (file_.coarse_grained && row.symbol.empty()) {
+    record.element_guessed = true;
+    record.element = element_of(element_of_bare_name(row.atom, row.residue));
+    return;
+  }
+  read_element(row.symbol, row.atom, NamePlace::word, row.residue, record);
+  file_.elements_in_doubt |= record.element_guessed || record.symbol_overruled ||
+                             record.is_virtual || record.element == gemmi::El::D;
 }
 
 void AtomSiteBuilder::add(const AtomSiteRow& row) {
@@ -235,7 +247,7 @@ void AtomSiteBuilder::finish(gemmi::cif::Block& rest) {
   gemmi::impl::fill_residue_entity_type(structure);
 }
 
-// gemmi knows no element for a symbol with a charge ("O2-").
+// gemmi knows no element for a symbol with a charge ("O2-"), and none for tritium.
 gemmi::El symbol_element(std::string_view symbol) {
   const gemmi::El element = element_of(symbol);
   if (element != gemmi::El::X || symbol.empty()) return element;

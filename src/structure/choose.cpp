@@ -185,9 +185,24 @@ class Choice {
 
   void drop_by_kind(const RadiusTable& table) {
     if (options_.waters == Inclusion::drop) drop_waters();
+    drop_virtual_sites();
     drop_hydrogens(table);
     if (options_.hetero_atoms == Inclusion::drop)
       drop("hetatm", [](const Site& site) { return site.atom->hetero; });
+  }
+
+  // Virtual sites are no atoms. A note names the first of them.
+  void drop_virtual_sites() {
+    if (!file_.elements_in_doubt) return;
+    const auto is_virtual = [](const Site& site) { return site.atom->is_virtual; };
+    const auto first = std::find_if(sites_.begin(), sites_.end(), is_virtual);
+    if (first == sites_.end()) return;
+    const std::string name(first->atom->name.view()), residue = first->place->residue->name;
+    drop("virtual_sites", is_virtual);
+    molecule_.notes.push_back(fmt::format(
+        "left out: {} virtual sites, lone pairs, dummies or alpha spheres, which are no atoms, the "
+        "first {} of {}; one with the symbol of an element counts as an atom",
+        molecule_.skipped["virtual_sites"], name, residue));
   }
 
   void select() {

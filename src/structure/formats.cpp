@@ -21,14 +21,15 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr const char* kReadable = "read are .pdb .ent .cif .mmcif .bcif .pqr .xyzr, each also .gz";
+constexpr const char* kReadable =
+    "read are .pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz";
 
 // Extensions in lower case, each with its format.
 constexpr std::array kExtensions{
-    std::pair{".pdb"sv, StructureFormat::pdb},   std::pair{".ent"sv, StructureFormat::pdb},
-    std::pair{".cif"sv, StructureFormat::mmcif}, std::pair{".mmcif"sv, StructureFormat::mmcif},
-    std::pair{".bcif"sv, StructureFormat::bcif}, std::pair{".pqr"sv, StructureFormat::pqr},
-    std::pair{".xyzr"sv, StructureFormat::xyzr},
+    std::pair{".pdb"sv, StructureFormat::pdb},     std::pair{".ent"sv, StructureFormat::pdb},
+    std::pair{".pdbqt"sv, StructureFormat::pdb},   std::pair{".cif"sv, StructureFormat::mmcif},
+    std::pair{".mmcif"sv, StructureFormat::mmcif}, std::pair{".bcif"sv, StructureFormat::bcif},
+    std::pair{".pqr"sv, StructureFormat::pqr},     std::pair{".xyzr"sv, StructureFormat::xyzr},
 };
 
 // The first bytes of formats that are often mistaken for structure files, and what to do about

@@ -32,8 +32,8 @@ struct Atom {
 };
 
 // Maps a reason why atoms of the file were not used to the number of these atoms. The reasons are
-// the keys of `skipped` in the JSON report: other_models, waters, hydrogens, hetatm,
-// alternate_locations, microheterogeneity, not_selected, zero_radius, not_in_assembly.
+// the keys of `skipped` in the JSON report: other_models, waters, virtual_sites, hydrogens,
+// hetatm, alternate_locations, microheterogeneity, not_selected, zero_radius, not_in_assembly.
 using SkippedAtoms = std::map<std::string, std::uint64_t>;
 
 // An element that the chosen radius set lacks and whose radius comes from the set that completes it

@@ -36,9 +36,11 @@ struct AtomRecord {
   float b_iso = 20;  // Å²; temperature factor, for selections; gemmi's where the format has none
   std::int32_t group = kNoGroup;  // as Atom has it; so are `measured` and `polarity`
   gemmi::El element{};
-  char altloc = '\0';                // label of the alternate location; '\0': none
-  bool hetero : 1 = false;           // the record is HETATM
-  bool element_guessed : 1 = false;  // the file gives no element; it was derived from the names
+  char altloc = '\0';                 // label of the alternate location; '\0': none
+  bool hetero : 1 = false;            // the record is HETATM
+  bool element_guessed : 1 = false;   // the file gives no element; it was derived from the names
+  bool symbol_overruled : 1 = false;  // the file gives another element than that of the names
+  bool is_virtual : 1 = false;        // a virtual site, a dummy or an alpha sphere: no atom
   bool measured : 1 = true;
   Polarity polarity = Polarity::unknown;
 };
@@ -60,6 +62,7 @@ struct ParsedFile {
   // of a coordinate in Å, and whether any atom has an altloc. Those that do not know leave these.
   double farthest = std::numeric_limits<double>::infinity();
   bool has_labels = true;
+  bool elements_in_doubt = false;     // settle_elements() has something to decide
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 

@@ -38,6 +38,7 @@ constexpr std::size_t kMaxModels = 9999;
 constexpr std::uint64_t kMaxAtoms = 43'770'015;
 // Columns count from 0, while the manual of the format counts them from 1.
 constexpr std::size_t kTagColumn = 72;      // entry tag or segment id
+constexpr std::size_t kChargeColumn = 70;   // of PDBQT
 constexpr std::size_t kElementColumn = 76;  // two columns, right-aligned
 constexpr std::size_t kLastColumn = 78;     // end of the element; the charge behind it is not used
 constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -55,17 +56,30 @@ bool is_entry_tag(std::string_view tag) {
 struct Layout {
   bool entry_tags = false;     // columns 73-80 hold entry tags, so there is no element in them
   bool names_at_left = false;  // atom names begin in column 13 even if the element has one letter
+  bool pdbqt = false;          // AutoDock's: a charge in columns 71-76, the atom type from 78 on
   bool beads = false;          // the atoms are beads of a coarse-grained (Martini) model
 };
 
+// Whether the name, without blanks, is C, N, O or P with nothing but digits behind it.
+bool is_short_name(std::string_view name) {
+  return !name.empty() && std::string_view("CNOP").find(name[0]) != std::string_view::npos &&
+         std::all_of(name.begin() + 1, name.end(), is_digit);
+}
+
+// Whether columns 71-76 hold a number with three digits behind its point.
+bool has_charge(std::string_view line) {
+  const std::string_view charge = columns(line, kChargeColumn, 6);
+  return charge.size() == 6 && charge[2] == '.' && finite_number(charge);
+}
+
 // Looks at all atom records of the file. Single records are ambiguous, so the majority decides:
-// names are at the left if more of the names N, C, O and P begin in column 13 than in column 14,
+// names are at the left if more names such as N, C1, O or P begin in column 13 than in column 14,
 // where the format puts elements of one letter. Entry tags must show one and the same entry id in
 // more than half of the atoms; a single match could be chance. One bead is enough for `beads`,
 // because no real atom has the name of a bead.
 Layout layout_of(std::string_view text) {
   Layout layout;
-  std::size_t atoms = 0, aligned = 0, at_left = 0;
+  std::size_t atoms = 0, aligned = 0, at_left = 0, charges = 0;
   std::map<std::string_view, std::size_t> tagged;  // atoms with an entry tag, by entry id
   std::string_view line;
   while (next_line(text, line)) {
@@ -74,9 +88,10 @@ Layout layout_of(std::string_view text) {
     const std::string_view tag = columns(line, kTagColumn, 8), name = columns(line, 12, 4);
     if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
     layout.beads = layout.beads || is_martini_bead(name, columns(line, 17, 3));
-    if (name == " N  " || name == " C  " || name == " O  " || name == " P  ") ++aligned;
-    if (name == "N   " || name == "C   " || name == "O   " || name == "P   ") ++at_left;
+    if (is_short_name(trimmed(name)) && name.size() == 4) ++(name[0] != ' ' ? at_left : aligned);
+    charges += has_charge(line) ? 1 : 0;
   }
+  layout.pdbqt = 2 * charges > atoms;
   layout.names_at_left = at_left > aligned;
   layout.entry_tags = std::any_of(tagged.begin(), tagged.end(),
                                   [atoms](const auto& entry) { return 2 * entry.second > atoms; });
@@ -118,6 +133,22 @@ std::string five_columns(std::uint64_t index) {
   return field;
 }
 
+// The symbol of an atom type of AutoDock: A is carbon, and a capital A, D or S behind N, O, S or H
+// says something of hydrogen bonds. The carbons that close rings are CG0, CG1 and so on.
+std::string_view symbol_of_autodock(std::string_view type) {
+  if (type == "A" || type.starts_with("CG")) return "C";
+  const bool marked = type.size() == 2 && std::string_view("NOSH").find(type[0]) != type.npos &&
+                      std::string_view("ADS").find(type[1]) != type.npos;
+  return marked ? type.substr(0, 1) : type;
+}
+
+// Whether the text is the symbol of two letters by which the name begins.
+bool is_symbol_of(std::string_view text, std::string_view name) {
+  return text.size() == 2 && is_letter(text[0]) && is_letter(text[1]) &&
+         element_of_symbol(text) != std::string_view("X") &&
+         upper_case(trimmed(name)).starts_with(upper_case(text));
+}
+
 // Rewrites the text of a PDB file for gemmi, and collects what gemmi does not take: an AtomRecord
 // for each atom, the names of the models, and the assemblies. Call run() once, then the accessors.
 class Normaliser {
@@ -141,6 +172,7 @@ class Normaliser {
   std::vector<AtomRecord> take_atoms() { return std::move(atoms_); }
   AssemblyTables take_assemblies() { return biomolecules_.finish(); }
   bool coarse_grained() const { return layout_.beads; }
+  bool elements_in_doubt() const { return in_doubt_; }
   const std::vector<std::string>& model_names() const { return models_.names(); }
 
  private:
@@ -179,9 +211,8 @@ class Normaliser {
     if (atoms_.size() >= kMaxAtoms)
       refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
     check_coordinates(line);
-    // The entry tag is cut off, because its characters would be read as an element.
     const std::size_t begin = text_.size();
-    text_.append(line.substr(0, layout_.entry_tags ? kTagColumn : kLastColumn));
+    text_.append(line.substr(0, width_of(line)));
     text_.resize(begin + kLastColumn, ' ');
     const std::string_view record = std::string_view(text_).substr(begin);
     const auto replace = [&](std::size_t column, std::string_view field) {
@@ -196,21 +227,53 @@ class Normaliser {
     replace(6, five_columns(atoms_.size()));
     // gemmi reads a blank occupancy as 0; the atom is meant to be there in full.
     if (trimmed(columns(record, 54, 6)).empty()) replace(54, "  1.00");
-    std::string_view element = element_of_symbol(columns(record, kElementColumn, 2));
-    atom.element_guessed = element == "X";
-    if (atom.element_guessed) element = guessed_element(record);
+    set_element(line, record, atom);
+    const std::string_view element = gemmi::element_name(atom.element);
     replace(kElementColumn, "  ");
     replace(kLastColumn - element.size(), element);
     atoms_.push_back(atom);
     text_ += '\n';
   }
 
-  // The element of an atom whose record does not give it. "X" is unknown; beads have no element.
-  std::string_view guessed_element(std::string_view record) const {
-    if (layout_.beads) return "X";
-    const std::string_view name = columns(record, 12, 4), residue = trimmed(columns(record, 17, 3));
-    return layout_.names_at_left ? element_of_bare_name(name, residue)
-                                 : element_of_aligned_name(name, residue);
+  // How many columns of the record gemmi may see. An entry tag would be read as an element, and a
+  // charge or a symbol too far to the left as a segment.
+  std::size_t width_of(std::string_view line) const {
+    if (layout_.pdbqt) return kChargeColumn - 4;
+    if (layout_.entry_tags) return kTagColumn;
+    return symbol_field(line).data() < line.data() + kElementColumn ? kElementColumn - 1
+                                                                    : kLastColumn;
+  }
+
+  // The symbol of the element. It belongs in columns 77-78. A symbol of two letters that stands one
+  // column further left or right is read there if the name begins by it.
+  std::string_view symbol_field(std::string_view line) const {
+    if (layout_.entry_tags || line.size() <= kElementColumn) return line.substr(line.size());
+    if (layout_.pdbqt) return symbol_of_autodock(trimmed(columns(line, kElementColumn, 4)));
+    const std::string_view name = columns(line, 12, 4);
+    const bool ends_early = line[kElementColumn - 2] == ' ',
+               begins_late = line[kElementColumn] == ' ';
+    const std::string_view left = columns(line, kElementColumn - 1, 2),
+                           right = columns(line, kElementColumn + 1, 2);
+    if (ends_early && trimmed(columns(line, kElementColumn, 2)).size() == 1 &&
+        line[kElementColumn] != ' ' && is_symbol_of(left, name))
+      return left;
+    return begins_late && is_symbol_of(right, name) ? right
+                                                    : trimmed(columns(line, kElementColumn, 2));
+  }
+
+  // Beads have no element.
+  void set_element(std::string_view line, std::string_view record, AtomRecord& atom) {
+    const std::string_view symbol = symbol_field(line);
+    atom.element = gemmi::find_element(element_of_symbol(symbol));
+    if (layout_.beads) {
+      atom.element_guessed = atom.element == gemmi::El::X;
+      return;
+    }
+    read_element(symbol, columns(record, 12, 4),
+                 layout_.names_at_left ? NamePlace::word : NamePlace::columns,
+                 trimmed(columns(record, 17, 3)), atom);
+    in_doubt_ |= atom.element_guessed || atom.symbol_overruled || atom.is_virtual ||
+                 atom.element == gemmi::El::D;
   }
 
   // gemmi reads whatever digits it finds, so shifted columns would become a wrong position.
@@ -236,6 +299,7 @@ class Normaliser {
   Layout layout_;
   std::string text_;          // the rewritten file
   std::uint32_t number_ = 0;  // of the current line, from 1
+  bool in_doubt_ = false;     // as in ParsedFile
   ModelRecords models_;
   std::vector<AtomRecord> atoms_;
   BiomoleculeReader biomolecules_;
@@ -261,6 +325,7 @@ ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* mo
   file.path = path;
   file.format = "pdb";
   file.coarse_grained = normaliser.coarse_grained();
+  file.elements_in_doubt = normaliser.elements_in_doubt();
   return file;
 }
 

@@ -16,6 +16,7 @@
 
 #include "core/errors.hpp"
 #include "structure/choose.hpp"
+#include "structure/elements.hpp"
 #include "structure/formats.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
@@ -106,6 +107,7 @@ ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   advance(options.monitor, 0);
   ParsedFile file = parse(text, format, name, limit, options.monitor);
+  settle_elements(file);
   advance(options.monitor, 0);
   check_ranges(file);
   if (format != StructureFormat::bcif) warn_of_unfinished_line(text, file.warnings);

@@ -28,9 +28,21 @@ struct Named {
 
 // The ions of CHARMM. Residue and atom have the same name, which is not the symbol.
 constexpr std::array kCharmmIons{
-    Named{"SOD", El::Na}, Named{"POT", El::K},  Named{"CAL", El::Ca},
-    Named{"CES", El::Cs}, Named{"LIT", El::Li}, Named{"RUB", El::Rb},
-    Named{"BAR", El::Ba}, Named{"CLA", El::Cl}, Named{"IOD", El::I},
+    Named{"SOD", El::Na}, Named{"POT", El::K},  Named{"CAL", El::Ca}, Named{"CES", El::Cs},
+    Named{"LIT", El::Li}, Named{"RUB", El::Rb}, Named{"BAR", El::Ba}, Named{"CLA", El::Cl},
+    Named{"IOD", El::I},  Named{"CAD", El::Cd},
+};
+// Ions of AMBER whose name is not the symbol, with digits and charge: sodium, sodium with its water
+// as one particle, calcium, and protons.
+constexpr std::array kAmberIons{
+    Named{"CIO", El::Na}, Named{"IB", El::Na}, Named{"C0", El::Ca},
+    Named{"HE+", El::H},  Named{"HZ+", El::H},
+};
+// Names of water in the PDB and in simulation programs, but for beads (W).
+constexpr std::array kWaters{
+    "HOH"sv,  "DOD"sv,  "WAT"sv, "H2O"sv, "TIP"sv,  "TIP2"sv, "TIP3"sv, "TIP4"sv,
+    "TIP5"sv, "TP3"sv,  "TP4"sv, "TP5"sv, "T3P"sv,  "T4P"sv,  "SOL"sv,  "SPC"sv,
+    "SPCE"sv, "TP3M"sv, "OH2"sv, "SWM"sv, "SWM4"sv, "OPC"sv,
 };
 // Ions in the PDB whose residue name is not the symbol. The atom name is the symbol ("I" in "IOD").
 constexpr std::array kOddlyNamedIons{
@@ -136,12 +148,14 @@ const Ligands* find_ligand(std::string_view residue) {
 }  // namespace
 
 El element_of_ion(std::string_view name, std::string_view residue) {
+  if (name == residue && find_named(kAmberIons, name) != El::X) return find_named(kAmberIons, name);
   const std::string_view atom = base_name(name), ion = base_name(residue);
   if (atom.empty() || ion.empty()) return El::X;
   const El odd = find_named(kOddlyNamedIons, ion);
   // `odd` is the element if the PDB has the residue; its atom is named by the symbol. "IOD" is in
   // both tables of ions: with an atom "I" in the PDB, with an atom "IOD" in CHARMM.
   if (odd != El::X && element_named(atom) == odd) return odd;
+  if (residue == "ION" && name != "ION") return element_of_ion(name, name);
   if (atom != ion) return El::X;
   const El charmm = find_named(kCharmmIons, ion);
   return charmm != El::X ? charmm : element_named(ion);
@@ -158,6 +172,8 @@ bool is_amino_acid(std::string_view residue) {
 bool is_standard_residue(std::string_view residue) {
   return is_amino_acid(residue) || is_nucleotide(residue) || holds(kEndGroups, residue);
 }
+
+bool is_named_as_water(std::string_view residue) { return holds(kWaters, residue); }
 
 El metal_of_ligand(std::string_view name, std::string_view residue) {
   const Ligands* ligand = find_ligand(residue);

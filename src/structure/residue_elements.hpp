@@ -9,8 +9,8 @@ namespace vdwmesh {
 
 // The element of a monatomic ion; X if the names are not those of an ion. The atom and its residue
 // have the same name up to digits and charge. The name is a symbol ("CA" in residue "CA", "ZN" in
-// "ZN2", "CL-" in "CL-", "AL3P" in "AL3P") or one of CHARMM's names of ions ("SOD" in "SOD" is
-// sodium).
+// "ZN2", "CL-" in "CL-", "AL3P" in "AL3P") or a force field's name of an ion ("SOD" in "SOD" is
+// sodium). In a residue ION the name of the atom is enough.
 gemmi::El element_of_ion(std::string_view name, std::string_view residue);
 
 // Whether the residue is an amino acid, a nucleotide or an end group of a chain. Names are
@@ -19,6 +19,10 @@ gemmi::El element_of_ion(std::string_view name, std::string_view residue);
 // Se.
 bool is_standard_residue(std::string_view residue);
 bool is_amino_acid(std::string_view residue);
+
+// Whether the residue has a name of water, in the PDB or in a simulation program. Other molecules
+// have some of the latter names too.
+bool is_named_as_water(std::string_view residue);
 
 // The element of a metal atom in a known ligand: "FE" in "HEM" is iron, "CA1" in "OEX" is calcium.
 // X if the atom is not a metal of the ligand, or if the ligand is not known.

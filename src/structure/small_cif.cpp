@@ -10,8 +10,10 @@
 #include <gemmi/smcif.hpp>
 
 #include "core/errors.hpp"
+#include "core/letters.hpp"
 #include "structure/elements.hpp"
 #include "structure/hierarchy.hpp"
+#include "structure/lines.hpp"
 #include "structure/mmcif.hpp"
 
 namespace vdwmesh {
@@ -56,6 +58,11 @@ gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index
   const gemmi::SmallStructure::Site& site = crystal.sites[index];
   gemmi::Atom atom;
   atom.name = site.label;
+  const std::string& symbol = site.type_symbol;
+  if (has_symbol && symbol.size() > 2 && is_letter(symbol[1]) && is_letter(symbol[2]))
+    refuse(path, fmt::format("row {} of _atom_site: type_symbol is {}, not the symbol of an "
+                             "element, such as C or Zn",
+                             index + 1, in_quotes(symbol)));
   atom.element = has_symbol ? site.element : gemmi::Element(element_of_label(site.label));
   if (atom.element == gemmi::El::X)
     atom.element = gemmi::Element(element_of_bare_name(site.type_symbol, ""));
