@@ -169,32 +169,41 @@ std::string told_element(const std::string& residue, const std::string& atom,
 using ForeignAtom =
     std::tuple<std::string, std::string, std::string, std::string, std::string, double>;
 
+// The residue of the name at the last position of the chain; opens it if there is none. Atoms of
+// residues that share a position may take turns. `first` is the index of the position's first.
+std::size_t residue_at_end(std::vector<gemmi::Residue>& own, std::size_t first, int position,
+                           const std::string& name) {
+  for (std::size_t i = first; i < own.size(); ++i)
+    if (own[i].name == name) return i;
+  gemmi::Residue& added = own.emplace_back();
+  added.name = name;
+  added.seqid.num = position;
+  return own.size() - 1;
+}
+
 // The indices of the atoms that stay where each has one location, as read() chooses them.
 std::vector<std::size_t> highest_locations(const std::vector<ForeignAtom>& atoms) {
   ParsedFile file;
   file.structure = std::make_shared<gemmi::Structure>();
   file.structure->models.emplace_back("1");
   std::vector<gemmi::Chain>& chains = file.structure->models[0].chains;
-  std::uint32_t residues = 0;
+  // Numbers of positions take the place of residue numbers, which may be of any kind. `before` are
+  // the residues of the chains before, and `first` the first residue of the position in its chain.
+  std::size_t before = 0, first = 0;
+  int position = 0;
   std::string last_number;
   file.atoms.reserve(atoms.size());
   for (const auto& [chain, number, residue, name, label, occupancy] : atoms) {
-    const bool opens = chains.empty() || chains.back().name != chain;
-    if (opens) chains.emplace_back(chain);
+    const bool opens_chain = chains.empty() || chains.back().name != chain;
+    if (opens_chain && !chains.empty()) before += chains.back().residues.size();
+    if (opens_chain) chains.emplace_back(chain);
     std::vector<gemmi::Residue>& own = chains.back().residues;
-    if (opens || last_number != number || own.back().name != residue) {
-      // Numbers of positions take the place of residue numbers, which may be of any kind.
-      const bool is_same = !opens && last_number == number;
-      gemmi::Residue added;
-      added.name = residue;
-      added.seqid.num = is_same ? own.back().seqid.num.value : static_cast<int>(residues);
-      own.push_back(added);
-      ++residues;
-      last_number = number;
-    }
+    if (opens_chain || number != last_number) first = own.size(), ++position;
+    last_number = number;
     AtomRecord& record = file.atoms.emplace_back();
     record.name = name;
-    record.residue = residues - 1;
+    record.residue =
+        static_cast<std::uint32_t>(before + residue_at_end(own, first, position, residue));
     record.altloc = label.empty() || label == " " ? '\0' : label[0];
     record.occupancy = static_cast<float>(occupancy);
   }

@@ -46,7 +46,7 @@ _SWITCHES = {"--waters": "waters=True", "--no-hydrogens": "hydrogens=False", "--
 _OPTION = re.compile(
     r"(?<![\w./-])--(?:waters|no-hydrogens|no-hetatm|"
     r"(format|model|assembly|radii|select|altloc|probe|spacing|edge-length|threads|device)"
-    r"(?:[ =]('[^']*'|[\w.,]+))?)(?![\w-])"
+    r"(?:[ =]('[^']*'|[A-Z]+\b|\d[\d.]*\b|(?:pdb|mmcif|bcif|pqr|xyzr)\b))?)(?![\w-])"
 )
 
 
@@ -62,4 +62,5 @@ def _argument(option: re.Match[str]) -> str:
     name = name.replace("-", "_")
     if value is None:
         return str(name)
-    return f"{name}={value}" if value.startswith("'") or value.isupper() else f"{name}={value!r}"
+    stands_for_itself = value.startswith("'") or value[0].isdigit() or (value.isupper() and len(value) > 1)
+    return f"{name}={value}" if stands_for_itself else f"{name}={value!r}"

@@ -143,6 +143,8 @@ ATOM      3  CA BSER A   1       1.470   0.300   0.000  0.60 10.00           C
 ATOM      4  OG ASER A   1       2.000   1.400   0.000  0.40 10.00           O
 ATOM      5  N  AGLY A   2       9.000   0.000   0.000  0.70 10.00           N
 ATOM      6  N  BALA A   2       9.000   0.500   0.000  0.30 10.00           N
+ATOM      7  CA AGLY A   2      10.450   0.000   0.000  0.70 10.00           C
+ATOM      8  CA BALA A   2      10.450   0.500   0.000  0.30 10.00           C
 END
 """
 
@@ -151,11 +153,11 @@ END
         path.write_text(self.ALTERNATIVES)
         expected = vdwmesh.exact(vdwmesh.read(path))
         source = open_file(path)
-        with self.assertWarnsRegex(UserWarning, "2 of 6 atoms are alternate locations"):
+        with self.assertWarnsRegex(UserWarning, "3 of 8 atoms are alternate locations"):
             found = vdwmesh.exact(source)
         np.testing.assert_allclose(found.atom_area, expected.atom_area, rtol=FLOAT32)
-        with self.assertWarns(UserWarning), self.assertRaisesRegex(ValueError, "radii: has 6 radii for 4 atoms"):
-            vdwmesh.exact(source, np.full(6, 1.5))
+        with self.assertWarns(UserWarning), self.assertRaisesRegex(ValueError, "radii: has 8 radii for 5 atoms"):
+            vdwmesh.exact(source, np.full(8, 1.5))
         return source, expected
 
     def test_alternate_locations_of_gemmi(self):
@@ -172,7 +174,7 @@ END
         with self.assertWarns(UserWarning):
             results = SurfaceAnalysis(source.atoms).run().results
         self.assertAlmostEqual(results.area[0], expected.area, delta=FLOAT32 * expected.area)
-        self.assertEqual(results.atom_area.shape, (1, 4))
+        self.assertEqual(results.atom_area.shape, (1, 5))
 
     def test_biopython(self):
         need_package("python3-biopython", module="Bio")
