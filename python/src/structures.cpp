@@ -130,9 +130,25 @@ gemmi::Element named_element(const std::string& residue, const std::string& atom
   return gemmi::Element(symbol[0] != 'X' ? symbol : element_of_bare_name(atom, residue));
 }
 
+// The most hydrogens that an atom of the element carries in a force field that gives their mass to
+// it, or takes mass from it for them; no other elements do either.
+int most_hydrogens(gemmi::El element) {
+  switch (element) {
+    case gemmi::El::C:
+    case gemmi::El::N:
+      return 4;
+    case gemmi::El::O:
+      return 2;
+    case gemmi::El::S:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
 // Whether an atom of the element may have the mass in a force field: its own; that of a united atom
-// with one to four hydrogens; or, where masses of hydrogens are three or four times their own, what
-// is left beside one to three of them.
+// with its hydrogens; or, where masses of hydrogens are three or four times their own, what is left
+// beside them.
 bool may_weigh(gemmi::Element element, double mass) {
   constexpr double kHydrogen = 1.008;  // u
   const double own = element.weight(), tolerance = 0.004 + 0.002 * own;
@@ -140,10 +156,9 @@ bool may_weigh(gemmi::Element element, double mass) {
   if (is_near(own)) return true;
   if (element.is_hydrogen())
     return is_near(2 * kHydrogen) || is_near(3 * kHydrogen) || is_near(4 * kHydrogen);
-  for (int hydrogens = 1; hydrogens <= 4; ++hydrogens) {
-    if (is_near(own + hydrogens * kHydrogen)) return true;
-    if (hydrogens <= 3 &&
-        (is_near(own - 2 * hydrogens * kHydrogen) || is_near(own - 3 * hydrogens * kHydrogen)))
+  for (int count = 1; count <= most_hydrogens(element.elem); ++count) {
+    const double hydrogens = count * kHydrogen;
+    if (is_near(own + hydrogens) || is_near(own - 2 * hydrogens) || is_near(own - 3 * hydrogens))
       return true;
   }
   return false;

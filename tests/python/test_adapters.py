@@ -196,7 +196,7 @@ END
         residue = topology.add_residue("HOH", topology.add_chain())
         topology.add_atom("O", package.element.oxygen, residue)
         topology.add_atom("VS", package.element.virtual, residue)
-        topology.add_atom("H", None, residue)
+        topology.add_atom("H", package.element.hydrogen, residue)
         made = package.Trajectory(np.arange(9).reshape(1, 3, 3) * 1.0, topology)
         with self.assertRaisesRegex(ValueError, "element of atom 1 .VS of HOH. cannot be told; virtual sites"):
             vdwmesh.exact(made)
