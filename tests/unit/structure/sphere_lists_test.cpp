@@ -44,9 +44,10 @@ TEST(Pqr, ByColumnsWhereNumbersTouch) {
 // "name residue chain number x radius" of the one atom, or "refused" and the message.
 std::string what_is_read(const std::string& line) {
   const TemporaryDirectory dir;
+  ReadOptions options;
+  options.waters = Inclusion::keep;
   try {
-    const Molecule molecule =
-        read_structure(dir.write("a.pqr", line + "\n"), {.waters = Inclusion::keep});
+    const Molecule molecule = read_structure(dir.write("a.pqr", line + "\n"), options);
     const Atom& a = molecule.atoms.at(0);
     const std::string chain(a.chain.empty() ? "-" : a.chain);
     return fmt::format("{} {} {} {} {} {}", a.name.view(), a.residue_name.view(), chain,
