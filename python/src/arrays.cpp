@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/errors.hpp"
+#include "errors.hpp"
 #include "spheres/check_sphere.hpp"
 
 namespace vdwmesh::python {
@@ -45,16 +46,25 @@ py::buffer_info exported(const Array& array) {
           true};
 }
 
+// Writes the code points of a text, of which there are at most as many as bytes.
+void put_letters(std::string_view text, char32_t* to) {
+  if (std::ranges::all_of(text, [](char c) { return (c & 0x80) == 0; })) {
+    std::ranges::copy(text, to);
+    return;
+  }
+  const py::object decoded = text_of(text);
+  const Py_ssize_t length = PyUnicode_GetLength(decoded.ptr());
+  if (!PyUnicode_AsUCS4(decoded.ptr(), reinterpret_cast<Py_UCS4*>(to), length, 0))
+    throw py::error_already_set();
+}
+
 }  // namespace
 
 Array array_of_text(const std::vector<std::string_view>& texts) {
   std::size_t width = 1;  // NumPy has no strings of no width
   for (const std::string_view text : texts) width = std::max(width, text.size());
   auto letters = std::make_shared<std::vector<char32_t>>(width * texts.size());
-  for (std::size_t i = 0; i < texts.size(); ++i) {
-    std::ranges::transform(texts[i], letters->begin() + static_cast<std::ptrdiff_t>(i * width),
-                           [](char c) { return static_cast<unsigned char>(c); });
-  }
+  for (std::size_t i = 0; i < texts.size(); ++i) put_letters(texts[i], &(*letters)[i * width]);
   const auto item = static_cast<py::ssize_t>(width * sizeof(char32_t));
   const void* data = letters->data();
   return {std::move(letters),

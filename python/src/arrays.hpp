@@ -61,7 +61,7 @@ Array array_of(List&& list) {
 }
 
 // An array of strings, as NumPy's "<U4": fixed width, padded with zeros, one code point of four
-// bytes for a character. Bytes above 127 are read as Latin-1.
+// bytes for a character. Texts are UTF-8; other bytes are read as text_of() reads them.
 Array array_of_text(const std::vector<std::string_view>& texts);
 
 // Numbers, float32 or float64, of an array of Python. `name` is the argument's, for messages.

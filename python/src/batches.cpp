@@ -11,6 +11,7 @@
 
 #include "batch/batch.hpp"
 #include "call.hpp"
+#include "errors.hpp"
 #include "options.hpp"
 #include "topics.hpp"
 
@@ -23,14 +24,16 @@ using namespace py::literals;
 py::dict dict_of(const BatchRow& row) {
   py::object method = py::none();
   if (row.method) method = py::cast(name_of(*row.method));
+  py::object error = py::none();
+  if (row.error) error = message_of(*row.error);
   return py::dict(
-      "name"_a = row.name, "atoms"_a = row.atoms, "left_out"_a = row.left_out,
+      "name"_a = text_of(row.name), "atoms"_a = row.atoms, "left_out"_a = row.left_out,
       "assumed_radii"_a = row.assumed_radii, "guessed_elements"_a = row.guessed_elements,
       "method"_a = method, "area"_a = row.area, "volume"_a = row.volume,
       "components"_a = row.components, "tunnels"_a = row.tunnels, "voids"_a = row.voids,
       "euler_characteristic"_a = row.euler_characteristic,
       "fallback_atoms"_a = row.fallback_spheres, "doubtful_atoms"_a = row.doubtful_spheres,
-      "warnings"_a = py::tuple(py::cast(row.warnings)), "error"_a = row.error);
+      "warnings"_a = messages_of(row.warnings), "error"_a = error);
 }
 
 class BatchRun {

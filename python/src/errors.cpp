@@ -17,9 +17,17 @@ namespace {
 
 namespace py = pybind11;
 
-void raise(const char* name, const char* message) {
+void raise(const char* name, std::string_view message) {
   const py::object type = py::module_::import("vdwmesh.errors").attr(name);
-  PyErr_SetString(type.ptr(), message);
+  PyErr_SetObject(type.ptr(), message_of(message).ptr());
+}
+
+py::object decoded(std::string_view bytes, const char* otherwise) {
+  const auto size = static_cast<Py_ssize_t>(bytes.size());
+  py::object text =
+      py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(bytes.data(), size, otherwise));
+  if (!text) throw py::error_already_set();
+  return text;
 }
 
 template <class Kind>
@@ -56,11 +64,18 @@ void translate(std::exception_ptr error) {
   } catch (const std::bad_alloc&) {
     raise("LimitExceeded", "out of memory");
   } catch (const std::filesystem::filesystem_error& e) {
-    raise("FileFormatError", fmt::format("{}: {}", e.path1().string(), e.code().message()).c_str());
+    raise("FileFormatError", fmt::format("{}: {}", e.path1().string(), e.code().message()));
   }
 }
 
 }  // namespace
+
+py::object text_of(std::string_view bytes) { return decoded(bytes, "surrogateescape"); }
+
+py::object message_of(std::string_view message) {
+  static const char* const kTerms = "in_terms_of_python";
+  return py::module_::import("vdwmesh.errors").attr(kTerms)(decoded(message, "backslashreplace"));
+}
 
 void translate_errors() { py::register_exception_translator(&translate); }
 

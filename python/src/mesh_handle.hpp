@@ -1,6 +1,8 @@
 // A mesh as Python holds it. All arrays and views of it share one IndexedMesh, which never changes.
 #pragma once
 
+#include <pybind11/pybind11.h>
+
 #include <memory>
 #include <optional>
 #include <utility>
@@ -32,5 +34,9 @@ inline MeshHandle handle_of(PatchedMesh&& mesh) {
   const auto patched = std::make_shared<const PatchedMesh>(std::move(mesh));
   return {std::shared_ptr<const IndexedMesh>(patched, &patched->mesh), patched, {}};
 }
+
+// For pickle.
+pybind11::tuple pickled(const MeshHandle& h);
+MeshHandle unpickled(const pybind11::tuple& parts);
 
 }  // namespace vdwmesh::python

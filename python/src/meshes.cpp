@@ -438,6 +438,7 @@ void bind_meshes(py::module_& module) {
       .def("face_atoms", &face_atoms_there)
       .def("download", &downloaded);
   py::class_<MeshHandle>(module, "MeshHandle")
+      .def(py::pickle(&pickled, &unpickled))
       .def("vertices", &vertices)
       .def("faces", &faces)
       .def("normals", &normals)

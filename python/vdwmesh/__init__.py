@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         CudaError,
         Error,
         FileFormatError,
+        FileMissing,
         InternalError,
         InvalidInput,
         LimitExceeded,
@@ -68,6 +69,7 @@ __all__ = [
     "ExcludedSurface",
     "ExcludedTopology",
     "FileFormatError",
+    "FileMissing",
     "FrameMesh",
     "FrameResult",
     "InternalError",
@@ -111,7 +113,7 @@ _HOMES = {
     "_measure": "Counts Topology Void",
     "_mesh": "Mesh PATCH_KINDS marching_cubes mesh mesh_many",
     "_molecule": "Molecule radii_of read sample",
-    "errors": "BackendUnavailable CudaError Error FileFormatError "
+    "errors": "BackendUnavailable CudaError Error FileFormatError FileMissing "
     "InternalError InvalidInput LimitExceeded",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vdwmesh.errors import BackendUnavailable, InvalidInput
+from vdwmesh.errors import BackendUnavailable, FileMissing, InvalidInput
 
 if TYPE_CHECKING:
     from vdwmesh._types import Floats, Ids, NDArray
@@ -30,10 +31,17 @@ def floats(name: str, value: Any, shape: str) -> NDArray[Any]:
         raise InvalidInput(
             f"{name}: {os.fspath(value)!r} is no array of shape {shape}; vdwmesh.read(path) reads a structure file"
         )
+    refuse_masked(name, value)
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as error:
         raise InvalidInput(f"{name}: is no array of shape {shape}: {error}") from None
+    if array.dtype == object and array.ndim == 0:
+        kind = type(value)
+        raise InvalidInput(
+            f"{name}: objects of {kind.__module__}.{kind.__qualname__} are not read; "
+            f"give an array of shape {shape}"
+        )
     if array.dtype not in _FLOAT_TYPES:
         if array.size > 0 and array.dtype.kind not in "iuf":
             raise InvalidInput(f"{name}: has elements of type {array.dtype}; numbers are needed")
@@ -41,6 +49,32 @@ def floats(name: str, value: Any, shape: str) -> NDArray[Any]:
     if array.ndim != shape.count(",") + (not shape.endswith(",)")):
         raise InvalidInput(f"{name}: has shape {array.shape}; {shape} is needed")
     return array
+
+
+def refuse_masked(name: str, value: Any) -> None:
+    """Raises for an array of numpy.ma with masked elements, whose values would be used."""
+    if isinstance(value, np.ma.MaskedArray) and np.any(value.mask):
+        raise InvalidInput(f"{name}: has masked elements; leave them out, or fill them: .filled(...)")
+
+
+def file_name(path: str | bytes | os.PathLike[Any]) -> bytes:
+    """The name of a file that is there, as the C++ side takes it."""
+    name = os.fsencode(path)
+    if name != b"-" and not os.path.exists(name):
+        shown = name.decode("utf-8", "backslashreplace")
+        missing = FileMissing(f"{shown}: cannot be opened: {os.strerror(errno.ENOENT)}")
+        missing.errno = errno.ENOENT
+        raise missing
+    return name
+
+
+def radius_set(name: str, value: Any) -> bytes:
+    """The name of a radius set, or of a file of radii that is there."""
+    if isinstance(value, os.PathLike):
+        return file_name(value)
+    if not isinstance(value, str):
+        raise InvalidInput(f"{name}: {value!r} is neither the name of a radius set nor a path")
+    return value.encode("utf-8", "surrogateescape")
 
 
 def view(owner: Any) -> NDArray[Any]:
@@ -52,6 +86,7 @@ def chosen(name: str, value: Any, count: int) -> Ids | None:
     """A mask or indices of `count` atoms as ids; None if the argument is None."""
     if value is None:
         return None
+    refuse_masked(name, value)
     array = np.asarray(value)
     if array.ndim != 1:
         raise InvalidInput(f"{name}: has shape {array.shape}; a mask or indices are needed")

@@ -90,7 +90,8 @@ def batch(
         Folders, tar archives (also packed), structure files, and lists: files of other extensions
         with the path of a structure on each line.
     shard : (int, int)
-        (i, n): part i, from 0, of n parts that follow each other.
+        (i, n): part i of n parts that follow each other. i is from 0 to n - 1, as indices of Python
+        are, while the program's ``--shard i/n`` counts from 1.
     probe, topology, method, threads
         As of `exact`.
     format, model, assembly, radii, select, altloc, waters, hydrogens, hetatm
@@ -140,5 +141,5 @@ def _shard(shard: Any) -> tuple[int, int]:
     except (TypeError, ValueError):
         raise InvalidInput(f"shard: {shard!r} is no pair (i, n)") from None
     if not 0 <= part < parts:
-        raise InvalidInput(f"shard: {shard!r}; part i is from 0 to n - 1")
+        raise InvalidInput(f"shard: {shard!r}; part i is from 0 to n - 1 (the program's --shard counts from 1)")
     return part, parts

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import floats, number, view
+from vdwmesh._arrays import file_name, floats, number, view
 from vdwmesh._excluded import WATER_PROBE
 from vdwmesh._mesh import Mesh
 from vdwmesh._sources import arrays_of
@@ -266,7 +266,7 @@ def _handle(mesh: Any) -> tuple[_core.MeshHandle, list[str]]:
     if isinstance(mesh, Mesh):
         return mesh._handle, []
     if isinstance(mesh, (str, os.PathLike)):
-        return _core.read_mesh(os.fspath(mesh))
+        return _core.read_mesh(file_name(mesh))
     vertices, faces = _arrays(mesh)
     rows = floats("vertices", vertices, "(V, 3)")
     corners = np.asarray(faces)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _FRAMES_AT_ONCE = 64  # of which the areas of all atoms are kept at a time
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactUnion:
     """Area and volume of a union of balls, from its geometry, without a mesh.
 
@@ -109,7 +109,8 @@ def exact(
         "excluded" measures the solvent-excluded surface of the atoms instead; `atoms` and `method`
         are not of it.
     probe : float, optional
-        Added to every radius, Å; 0 by default. With 1.4 the area is the solvent-accessible one. Of
+        Added to every radius, Å; 0 by default, and not 1.4 as of `sasa`. With 1.4 the area is the
+        solvent-accessible one. Of
         the excluded surface the radius of the probe, 1.4 by default.
     atoms : array_like, mask (N,) or indices, optional
         Only these are measured, while all others still bury them.
@@ -222,7 +223,8 @@ def sasa(
     radii, atoms, method, threads, device
         As for `exact`.
     probe : float
-        Radius of the solvent, Å.
+        Radius of the solvent, Å: 1.4 by default, while `exact`, `frames` and `trajectory` measure the
+        balls themselves, with a probe of 0.
     mode : {"total", "atom", "residue"}
         One area for all atoms, for each atom, or for each residue.
     groups : array_like, shape (N,), optional

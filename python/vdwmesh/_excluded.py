@@ -90,7 +90,7 @@ class ExcludedSurface:
     uncertified_patches: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExcludedMeasures(ExcludedSurface):
     """The complete surface with its cavities, the shares of atoms in it, and the exterior surface.
 

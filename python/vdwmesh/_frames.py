@@ -11,6 +11,7 @@ import numpy as np
 from vdwmesh import _tables
 from vdwmesh._arrays import chosen
 from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
+from vdwmesh._excluded import measure_excluded
 from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
 from vdwmesh._mesh import Mesh, mesh
 from vdwmesh._sources import Atoms, radii_anywhere, radii_for
@@ -59,7 +60,8 @@ def frames(
     *,
     radii: ArrayLike | str = "bondi",
     select: Any = None,
-    probe: float = 0.0,
+    surface: str = "vdw",
+    probe: float | None = None,
     atoms: ArrayLike | None = None,
     topology: bool | str = False,
     per_atom: bool = False,
@@ -86,7 +88,13 @@ def frames(
         numbers.
     select : str, mask (N,) or indices, optional
         Only these atoms are there. A string is in the language of MDAnalysis or mdtraj.
-    probe, threads
+    surface : {"vdw", "excluded"}
+        "excluded" measures the solvent-excluded surface of each frame, one after another, without
+        `atoms` and `topology`.
+    probe : float, optional
+        Å; as for `exact` 0 by default, and 1.4 of the excluded surface. `sasa` alone has 1.4 for the
+        accessible surface: say ``probe=1.4`` for that here.
+    threads
         As for `exact`.
     atoms : array_like, mask (N,) or indices, optional
         Of the selected atoms only these are measured, while all others still bury them.
@@ -126,7 +134,18 @@ def frames(
     2 8.0 2
     """
     size = chunk_size(chunk)
-    options = Options.of(probe, topology, threads, device, per_atom=bool(per_atom))
+    if surface not in ("vdw", "excluded"):
+        raise InvalidInput(f"surface: {surface!r}; there are vdw and excluded")
+    if surface == "excluded":
+        if atoms is not None or topology:
+            raise InvalidInput("surface: atoms and topology of frames are not of the excluded surface")
+        given = trajectory_of(traj, select, Window.of(start, stop, step))
+        if is_on_device(given.atoms.coords):
+            raise InvalidInput("surface: the excluded surface of frames is measured on the host")
+        return _excluded(given, _radii(radii, given), probe, bool(per_atom), threads, device)
+    options = Options.of(
+        0.0 if probe is None else probe, topology, threads, device, per_atom=bool(per_atom)
+    )
     given = trajectory_of(traj, select, Window.of(start, stop, step))
     sizes = _radii(radii, given)
     options = replace(
@@ -153,7 +172,7 @@ def _radii(radii: Any, given: Trajectory) -> NDArray[Any] | CudaInput:
     if is_on_device(given.atoms.coords):
         return radii_anywhere(radii, given.atoms)
     found = radii_for(radii, given.atoms)
-    if given.selected is not None and len(found) == given.total and not isinstance(radii, str):
+    if given.selected is not None and len(found) == given.total and not isinstance(radii, (str, os.PathLike)):
         found = found[given.selected]
     if len(found) != given.count:
         raise InvalidInput(f"radii: has {len(found)} radii for {given.count} atoms; each atom needs one")
@@ -178,6 +197,21 @@ def _measured(
                 one["cuda"],
             )
         refuse(found.invalid, part)
+
+
+def _excluded(
+    given: Trajectory, radii: Any, probe: float | None, per_atom: bool, threads: Any, device: str
+) -> Iterator[FrameResult]:
+    """The solvent-excluded surface of each frame, on all cores."""
+    for part in given.chunks(_FRAMES_OF_MESHES):
+        for number, time, coords in zip(part.numbers, part.times, part.coords):
+            centers = coords if given.atoms.unit == 1 else given.atoms.unit * coords.astype(np.float64)
+            try:
+                one = measure_excluded(centers, radii, probe, False, threads, device)
+            except InvalidInput as error:
+                raise InvalidInput(f"traj: frame {number}: {error}") from None
+            shares = (one.atom_area, one.atom_volume) if per_atom else (None, None)
+            yield FrameResult(number, time, one.area, one.volume, *shares, None, None)
 
 
 def refuse(invalid: InvalidFrame | None, part: Chunk) -> None:

@@ -59,7 +59,7 @@ class Void:
     lining: tuple[int, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Topology:
     """Topology of a union of closed balls, exact for the coordinates given.
 

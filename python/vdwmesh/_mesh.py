@@ -56,6 +56,9 @@ class Mesh:
 
     _source: _core.MeshHandle | _core.CudaMeshHandle = field(repr=False)
 
+    def __reduce__(self) -> Any:  # for pickle: the arrays on the host
+        return Mesh, (self._handle,)
+
     @classmethod
     def _of(cls, source: _core.MeshHandle | _core.CudaMeshHandle) -> Mesh:
         return cls(source)
@@ -157,7 +160,7 @@ class Mesh:
 
         Losses of the format, such as float32 coordinates, are warnings.
         """
-        for loss in self._handle.save(os.fspath(path)):
+        for loss in self._handle.save(os.fsencode(path)):
             warnings.warn(loss, stacklevel=2)
 
     def to_trimesh(self) -> Any:
@@ -357,7 +360,7 @@ def mesh_many(
 
 
 def _radii_of_each(radii: Any, count: int) -> list[Any]:
-    if radii is None or isinstance(radii, str):
+    if radii is None or isinstance(radii, (str, os.PathLike)):
         return [radii] * count
     found = list(radii)
     if len(found) != count:
@@ -433,6 +436,9 @@ def marching_cubes(
     2
     """
     values = floats("volume", volume, "(X, Y, Z)")
+    if not np.isfinite(values).all():
+        place = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
+        raise InvalidInput(f"volume[{place}]: {values[place]} is not finite")
     if min(values.shape) < 2:
         raise InvalidInput(f"volume: has shape {values.shape}; two nodes along each axis are needed")
     isovalue = number("level", level)

@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import number, view
+from vdwmesh._arrays import file_name, number, radius_set, refuse_masked, view
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, Strings
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Molecule:
     """Atoms with their radii, and an account of what was not taken from the file.
+
+    Molecules are equal if their atoms are: all arrays have the same elements.
 
     Attributes
     ----------
@@ -27,8 +29,8 @@ class Molecule:
     radii : ndarray of float64, shape (N,)
         Van der Waals radii, Å: from the file (PQR, XYZR) or from the radius set.
     elements, names, resnames, resids, chains : ndarray of str, shape (N,)
-        Chemical symbols, names of atoms and residues, residue numbers with insertion codes
-        ("52A"), chains (in an assembly with the number of the copy: "A1").
+        Chemical symbols, names of atoms and residues, residue numbers as text, because they may have
+        insertion codes ("52A"), chains (in an assembly with the number of the copy: "A1").
     left_out : dict of str to int
         How many atoms of the file are not here, by reason ("waters", "alternate_locations", ...).
     assumed_radii : dict of str to float
@@ -58,6 +60,11 @@ class Molecule:
 
     def __len__(self) -> int:
         return len(self.radii)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Molecule):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in _COLUMNS)
 
     def __getitem__(self, chosen: Any) -> Molecule:
         """The atoms that a mask, indices or a slice choose; the account of the file stays."""
@@ -123,7 +130,8 @@ def read(
     Raises
     ------
     FileFormatError
-        The file cannot be opened or understood.
+        The file cannot be opened or understood. One that is not there is a `FileMissing`, which is
+        a FileNotFoundError as well.
     InvalidInput
         No atom is left, an atom has no known radius, or the file lacks the model or assembly.
     """
@@ -131,14 +139,14 @@ def read(
         format, model, assembly, radii, select, altloc, waters=waters, hydrogens=hydrogens, hetatm=hetatm
     )
     if isinstance(source, (str, os.PathLike)):
-        return _molecule(_core.read_file(os.fspath(source), **options))
+        return _molecule(_core.read_file(file_name(source), **options))
     name = "bytes"
     if not isinstance(source, (bytes, bytearray, memoryview)):
         name = str(getattr(source, "name", "file"))
         source = _content(source)
     if not format and name in ("bytes", "file"):
         raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, bcif, pqr or xyzr")
-    return _molecule(_core.read_bytes(name, bytes(source), **options))
+    return _molecule(_core.read_bytes(raw(name), bytes(source), **options))
 
 
 def read_options(
@@ -156,15 +164,20 @@ def read_options(
     """The arguments of `read` as the C++ side takes them."""
     return {
         "format": format or "",
-        "model": str(model),
-        "assembly": "asymmetric" if assembly is None else str(assembly),
-        "radii": os.fspath(radii),
-        "select": select or "",
-        "altloc": altloc,
+        "model": raw(str(model)),
+        "assembly": raw("asymmetric" if assembly is None else str(assembly)),
+        "radii": radius_set("radii", radii),
+        "select": raw(select or ""),
+        "altloc": raw(altloc),
         "waters": waters,
         "hydrogens": hydrogens,
         "hetatm": hetatm,
     }
+
+
+def raw(text: str) -> bytes:
+    """A text as the C++ side takes it; surrogates, as of os.listdir, are the bytes that they stand for."""
+    return text.encode("utf-8", "surrogateescape")
 
 
 def _content(source: Any) -> bytes:
@@ -186,7 +199,7 @@ def sample(name: str = "ubiquitin", *, radii: str | os.PathLike[str] = "bondi") 
     """
     return _molecule(
         _core.read_sample(
-            name, format="", model="first", assembly="asymmetric", radii=os.fspath(radii), select="",
+            name, format="", model="first", assembly="asymmetric", radii=radius_set("radii", radii), select="",
             altloc="highest", waters=False, hydrogens=True, hetatm=True,
         )  # fmt: skip
     )
@@ -230,7 +243,7 @@ def radii_of(
     >>> vdwmesh.radii_of(["C", "ZN", "o"])
     array([1.7 , 1.39, 1.52])
     """
-    table = _core.RadiusTable(os.fspath(set))
+    table = _core.RadiusTable(radius_set("set", set))
     columns = [_texts("elements", elements)]
     for name, given in (("resnames", resnames), ("names", names)):
         columns.append([""] * len(columns[0]) if given is None else _texts(name, given))
@@ -246,19 +259,26 @@ def radii_of(
 
 
 def _texts(name: str, values: ArrayLike) -> list[str]:
+    refuse_masked(name, values)
     texts = np.asarray(values)
     if texts.ndim != 1 or (texts.size > 0 and texts.dtype.kind not in "USO"):
         raise InvalidInput(f"{name}: a sequence of strings is needed")
-    return [text.decode() if isinstance(text, bytes) else str(text) for text in texts.tolist()]
+    return [
+        text.decode(errors="surrogateescape") if isinstance(text, bytes) else str(text)
+        for text in texts.tolist()
+    ]
 
 
 def _radius(
     table: _core.RadiusTable, key: tuple[str, str, str], index: int, unknown: float | None
 ) -> float:
     element, residue, atom = key
-    found = table.find(residue.strip(), atom.strip(), element.strip())
+    found = table.find(raw(residue.strip()), raw(atom.strip()), raw(element.strip()))
     if found is not None:
         return found
     if unknown is None:
-        raise InvalidInput(f"elements[{index}]: no radius is known for {element!r}; give unknown=")
+        raise InvalidInput(
+            f"elements[{index}]: no radius is known for {element!r}; give the radii as numbers, which "
+            "vdwmesh.radii_of(..., unknown=RADIUS) makes"
+        )
     return number("unknown", unknown)

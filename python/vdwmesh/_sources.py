@@ -6,18 +6,24 @@ are there already.
 
 from __future__ import annotations
 
+import os
+import warnings
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Callable, Iterator
 
 import numpy as np
 
+from vdwmesh import _core
 from vdwmesh._arrays import floats
 from vdwmesh._cuda import CudaInput, is_on_device, on_device, require_cuda
-from vdwmesh._molecule import Molecule, radii_of
+from vdwmesh._molecule import Molecule, radii_of, raw
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
     from vdwmesh._types import NDArray
+
+
+VIRTUAL = "virtual site"
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,13 @@ class Atoms:
     resnames: Any = None
     names: Any = None
     residues: Any = None  # one label for each atom, equal for atoms of one residue
+    advice: str = "give radii="  # where an element is not known
+
+    def untold(self, i: int) -> str:
+        """The message about an atom whose element is not known."""
+        names = [str(column[i]) for column in (self.names, self.resnames) if column is not None]
+        what = f" ({' of '.join(names)})" if names else ""
+        return f"coords: the element of atom {i}{what} cannot be told; {self.advice}"
 
 
 def atoms_of(source: Any) -> Atoms:
@@ -99,9 +112,12 @@ def radii_for(radii: Any, atoms: Atoms) -> NDArray[Any]:
     """The argument `radii` as an array: a set by its name, or numbers, which are obeyed."""
     if radii is None and atoms.radii is not None:
         radii = atoms.radii
-    if radii is None or isinstance(radii, str):
+    if radii is None or isinstance(radii, (str, os.PathLike)):
         if atoms.elements is None:
             raise InvalidInput("radii: are needed, one for each atom; coordinates alone have none")
+        for i, element in enumerate(atoms.elements):
+            if not element or element == VIRTUAL:
+                raise InvalidInput(atoms.untold(i))
         radii = radii_of(
             atoms.elements, set=radii or "bondi", resnames=atoms.resnames, names=atoms.names
         )
@@ -132,23 +148,77 @@ def _from_vdwmesh(source: Any) -> Atoms:
 
 def _from_mdanalysis(source: Any) -> Atoms:
     """An AtomGroup, or what has one: a Universe, a residue, a segment. Lengths are in Å."""
-    group = getattr(source, "atoms", source)
+    group = one_location(getattr(source, "atoms", source))
+    coords, resnames, names = group.positions, getattr(group, "resnames", None), getattr(group, "names", None)
+    elements = getattr(group, "elements", None)
+    masses = None if _is_guessed(group, "masses") else getattr(group, "masses", None)
+    is_told = any(column is not None for column in (elements, names, masses))
     return Atoms(
-        coords=group.positions,
-        elements=_mdanalysis_elements(group),
-        resnames=getattr(group, "resnames", None),
-        names=getattr(group, "names", None),
+        coords=coords,
+        elements=_told(len(coords), elements, resnames, names, masses) if is_told else None,
+        resnames=resnames,
+        names=names,
         residues=group.resindices.tolist(),
+        advice="types of a force field are no elements: give "
+        "u.add_TopologyAttr('elements', [...]) or radii=; atoms without mass are left out by "
+        "ag.select_atoms('prop mass > 0')",
     )
 
 
-def _mdanalysis_elements(group: Any) -> Any:
-    """Topologies without elements have types, which are guesses of the same; both may be empty."""
-    for attribute in ("elements", "types"):
-        found = getattr(group, attribute, None)
-        if found is not None and all(str(element) for element in found):
-            return found
-    return None
+def _is_guessed(group: Any, attribute: str) -> bool:
+    """Whether MDAnalysis guessed the attribute, as masses from types that are no elements."""
+    topology = getattr(getattr(group, "universe", None), "_topology", None)
+    return bool(getattr(getattr(topology, attribute, None), "is_guessed", True))
+
+
+def _told(count: int, elements: Any, resnames: Any, names: Any, masses: Any) -> list[str]:
+    """The elements that are given; else those that names and masses tell, "" where they do not."""
+    found = [""] * count if elements is None else [str(element).strip() for element in elements]
+    known: dict[tuple[str, str, float | None], str] = {}
+    for i, element in enumerate(found):
+        if element:
+            continue
+        key = (
+            "" if resnames is None else str(resnames[i]).strip(),
+            "" if names is None else str(names[i]).strip(),
+            None if masses is None or np.isnan(masses[i]) else float(masses[i]),
+        )
+        if key not in known:
+            known[key] = _core.told_element(raw(key[0]), raw(key[1]), key[2])
+        found[i] = known[key]
+    return found
+
+
+def one_location(group: Any) -> Any:
+    """The AtomGroup with one of the alternate locations of each atom."""
+    labels = getattr(group, "altLocs", None)
+    if labels is None or not any(str(label).strip() for label in labels):
+        return group
+    segments = group.segids if hasattr(group, "segids") else [""] * len(group)
+    chains = group.chainIDs if hasattr(group, "chainIDs") else [""] * len(group)
+    codes = group.icodes if hasattr(group, "icodes") else [""] * len(group)
+    kept = _highest(
+        (f"{segment} {chain}" for segment, chain in zip(segments, chains)),
+        (f"{number}{code}" for number, code in zip(group.resids, codes)),
+        group.resnames, group.names, labels,
+        getattr(group, "occupancies", np.ones(len(group))),
+    )  # fmt: skip
+    return group[kept] if len(kept) < len(group) else group
+
+
+def _highest(*columns: Any) -> list[int]:
+    """The indices of the atoms that stay, of all whose chains, residue numbers and names, atom names,
+    labels and occupancies these are. A warning says how many do not."""
+    atoms = [(*(raw(str(text).strip()) for text in row[:5]), float(row[5])) for row in zip(*columns)]
+    kept = _core.highest_locations(atoms)
+    if len(kept) < len(atoms):
+        warnings.warn(
+            f"{len(atoms) - len(kept)} of {len(atoms)} atoms are alternate locations that are left out, "
+            f"as vdwmesh.read() leaves them out (altloc='highest'); arrays by atom are of the "
+            f"{len(kept)} others",
+            stacklevel=5,
+        )
+    return kept
 
 
 def _from_mdtraj(source: Any) -> Atoms:
@@ -157,11 +227,25 @@ def _from_mdtraj(source: Any) -> Atoms:
     return Atoms(
         coords=source.xyz[0] if len(source.xyz) == 1 else source.xyz,
         unit=10.0,
-        elements=[atom.element.symbol if atom.element else "" for atom in atoms],
+        elements=_told(
+            len(atoms),
+            [_symbol_of_mdtraj(atom.element) for atom in atoms],
+            [atom.residue.name for atom in atoms],
+            [atom.name for atom in atoms],
+            None,
+        ),
         resnames=[atom.residue.name for atom in atoms],
         names=[atom.name for atom in atoms],
         residues=[atom.residue.index for atom in atoms],
+        advice="virtual sites are left out by traj.atom_slice([...]), or give radii=",
     )
+
+
+def _symbol_of_mdtraj(element: Any) -> str:
+    """Virtual sites are elements of the number 0, which names are not asked for."""
+    if element is None:
+        return ""
+    return str(element.symbol) if element.number > 0 else VIRTUAL
 
 
 def _from_biotite(source: Any) -> Atoms:
@@ -172,15 +256,49 @@ def _from_biotite(source: Any) -> Atoms:
 
 
 def _from_gemmi(source: Any) -> Atoms:
-    """A Structure, whose first model is taken, or a Model, Chain or Residue. Lengths are in Å."""
+    """A Structure, whose first model is taken, or a Model, Chain or Residue. Lengths are in Å.
+
+    Of alternate locations one is taken.
+    """
     model = source[0] if type(source).__name__ == "Structure" else source
     found = list(_gemmi_atoms(model))
+    if any(atom.has_altloc() for atom, _, _ in found):
+        kept = _highest(
+            (f"{chain} {residue.segment}" for _, residue, chain in found),
+            (residue.seqid for _, residue, _ in found),
+            (residue.name for _, residue, _ in found),
+            (atom.name for atom, _, _ in found),
+            (atom.altloc.strip("\0") for atom, _, _ in found),
+            (atom.occ for atom, _, _ in found),
+        )
+        found = [found[i] for i in kept]
     return Atoms(
         coords=[(atom.pos.x, atom.pos.y, atom.pos.z) for atom, _, _ in found],
-        elements=[atom.element.name for atom, _, _ in found],
+        elements=[atom.element.name if atom.element.atomic_number else "" for atom, _, _ in found],
         resnames=[residue.name for _, residue, _ in found],
         names=[atom.name for atom, _, _ in found],
-        residues=[(chain, str(residue.seqid), residue.name) for _, residue, chain in found],
+        residues=[(chain, residue.segment, str(residue.seqid), residue.name) for _, residue, chain in found],
+    )
+
+
+def _from_biopython(source: Any) -> Atoms:
+    """A Structure, whose first model is taken, or a Model, Chain or Residue of Bio.PDB, in Å.
+
+    Bio.PDB itself chooses one of the alternate locations of an atom.
+    """
+    if not hasattr(source, "get_atoms"):
+        raise InvalidInput(f"coords: Bio.PDB's {type(source).__name__} has no atoms")
+    model = next(iter(source), source) if getattr(source, "level", "") == "S" else source
+    atoms = list(model.get_atoms())
+    residues = [atom.get_parent() for atom in atoms]
+    resnames, names = [residue.get_resname() for residue in residues], [atom.get_name() for atom in atoms]
+    symbols = ["" if atom.element in (None, "X") else atom.element for atom in atoms]
+    return Atoms(
+        coords=[atom.get_coord() for atom in atoms],
+        elements=_told(len(atoms), symbols, resnames, names, None),
+        resnames=resnames,
+        names=names,
+        residues=[residue.get_full_id() for residue in residues],
     )
 
 
@@ -201,6 +319,7 @@ def _gemmi_atoms(part: Any, residue: Any = None, chain: str = "") -> Iterator[tu
 
 
 _ADAPTERS: dict[str, Callable[[Any], Atoms]] = {
+    "Bio": _from_biopython,
     "MDAnalysis": _from_mdanalysis,
     "biotite": _from_biotite,
     "gemmi": _from_gemmi,

@@ -6,11 +6,12 @@ import csv
 import os
 from importlib import import_module
 from importlib.util import find_spec
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Callable
 
 import numpy as np
 
-from vdwmesh.errors import BackendUnavailable, InvalidInput
+from vdwmesh.errors import BackendUnavailable, FileFormatError, InvalidInput
 
 if TYPE_CHECKING:
     from vdwmesh._frames import TrajectoryResult
@@ -41,13 +42,16 @@ def save(result: TrajectoryResult, path: str | os.PathLike[str]) -> None:
     extension = os.path.splitext(name)[1]
     if extension not in _WRITERS:
         raise InvalidInput(f"path: {name} ends with none of {', '.join(_WRITERS)}")
-    partial = f"{name}.part"  # beside it, so that a file is whole or not there
+    # Written in a folder of its own beside it, so that a file is whole or not there, and that no
+    # other file is written to.
     try:
+        folder = TemporaryDirectory(prefix=".vdwmesh-", dir=os.path.dirname(name) or ".")
+    except OSError as error:
+        raise FileFormatError(f"{name}: cannot be written: {error.strerror}") from None
+    with folder as place:
+        partial = os.path.join(place, f"part{extension}")
         _WRITERS[extension](result, partial)
         os.replace(partial, name)
-    finally:
-        if os.path.exists(partial):
-            os.remove(partial)
 
 
 def _values(result: TrajectoryResult) -> list[tuple[str, Any]]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from vdwmesh._arrays import chosen, floats
 from vdwmesh._cuda import CudaInput, is_on_device, on_device
-from vdwmesh._sources import Atoms, atoms_of, comes_from
+from vdwmesh._sources import Atoms, atoms_of, comes_from, one_location
 from vdwmesh.errors import FileFormatError, InvalidInput
 
 if TYPE_CHECKING:
@@ -157,6 +157,7 @@ def _of_mdanalysis(traj: Any, select: Any, window: Window) -> Trajectory:
         group = group[chosen("select", select, total)]
     if len(group) == 0:
         raise InvalidInput(f"select: {select!r} chooses no atom")
+    group = one_location(group)
     reader, ids = group.universe.trajectory, group.ix
     atoms = atoms_of(group)
     if hasattr(reader, "coordinate_array"):  # in memory

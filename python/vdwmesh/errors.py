@@ -4,8 +4,10 @@ Each message is one line: what is wrong, at which argument or place of a file, a
 Every class is also the class of Python that callers know for such a cause.
 """
 
-__all__ = ["BackendUnavailable", "CudaError", "Error", "FileFormatError", "InternalError",
-           "InvalidInput", "LimitExceeded"]  # fmt: skip
+import re
+
+__all__ = ["BackendUnavailable", "CudaError", "Error", "FileFormatError", "FileMissing",
+           "InternalError", "InvalidInput", "LimitExceeded"]  # fmt: skip
 
 
 class Error(Exception):
@@ -18,6 +20,10 @@ class InvalidInput(Error, ValueError):
 
 class FileFormatError(Error, OSError):
     """A file cannot be opened, read, understood or written."""
+
+
+class FileMissing(FileFormatError, FileNotFoundError):
+    """A file that was named is not there."""
 
 
 class BackendUnavailable(Error, RuntimeError):
@@ -34,3 +40,27 @@ class LimitExceeded(Error, MemoryError):
 
 class InternalError(Error, RuntimeError):
     """A check of the library failed that no input should be able to fail."""
+
+
+_SWITCHES = {"--waters": "waters=True", "--no-hydrogens": "hydrogens=False", "--no-hetatm": "hetatm=False"}
+_OPTION = re.compile(
+    r"(?<![\w./-])--(?:waters|no-hydrogens|no-hetatm|"
+    r"(format|model|assembly|radii|select|altloc|probe|spacing|edge-length|threads|device)"
+    r"(?:[ =]('[^']*'|[A-Z]+\b|\d[\d.]*\b|(?:pdb|mmcif|bcif|pqr|xyzr)\b))?)(?![\w-])"
+)
+
+
+def in_terms_of_python(message: str) -> str:
+    """A message of the library, which names options of the program, with arguments of Python."""
+    return _OPTION.sub(_argument, message)
+
+
+def _argument(option: re.Match[str]) -> str:
+    name, value = option[1], option[2]
+    if name is None:
+        return _SWITCHES[option[0]]
+    name = name.replace("-", "_")
+    if value is None:
+        return str(name)
+    stands_for_itself = value.startswith("'") or value[0].isdigit() or (value.isupper() and len(value) > 1)
+    return f"{name}={value}" if stands_for_itself else f"{name}={value!r}"

@@ -10,7 +10,7 @@ from MDAnalysis.analysis.base import AnalysisBase  # type: ignore[import]
 
 from vdwmesh._frames import chunk_size, refuse
 from vdwmesh._measure import Options, measure
-from vdwmesh._sources import atoms_of, radii_for
+from vdwmesh._sources import atoms_of, one_location, radii_for
 from vdwmesh._trajectories import Chunk
 from vdwmesh.errors import InvalidInput
 
@@ -80,6 +80,7 @@ class SurfaceAnalysis(AnalysisBase):  # type: ignore[misc]
         super().__init__(ag.universe.trajectory, **options)
         if len(ag) == 0:
             raise InvalidInput("ag: has no atoms")
+        ag, context = one_location(ag), None if context is None else one_location(context)
         everything = ag if context is None else context | ag
         self._ids = everything.ix
         self._radii = radii_for(radii, atoms_of(everything))

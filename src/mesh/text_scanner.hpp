@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/read_double.hpp"
+
 namespace vdwmesh::formats {
 
 // Comments run from # to the end of the line. A line ends with a line feed; carriage returns count
@@ -49,13 +51,13 @@ class TextScanner {
   // Empty at the end of the line.
   std::string_view word();
   // The next number of the line. Throws FileFormatError if there is none, or if it is not finite or
-  // does not fit a double. std::from_chars also reads "inf" and "nan"; only for finite numbers is
+  // is too large for a double. read_double() also reads "inf" and "nan"; only for finite numbers is
   // value - value equal to 0.
   double number() {
     skip_blanks();
     skip_plus();
     double value;
-    const auto [next, error] = std::from_chars(at_, end_, value);
+    const auto [next, error] = read_double(at_, end_, value);
     if (error != std::errc{} || !(value - value == 0)) fail_number();
     at_ = next;
     return value;

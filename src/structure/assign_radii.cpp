@@ -17,17 +17,19 @@ namespace vdwmesh {
 namespace {
 
 // Describes an atom for a message.
-std::string name_of(const Site& site) {
+std::string name_of(const Site& site, const ParsedFile& file) {
   const AtomRecord& record = *site.atom;
+  const bool has_rows = file.format.ends_with("cif");
   std::string chain = site.place->chain->name.empty() ? "" : " of chain " + site.place->chain->name;
-  return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name.view(),
+  return fmt::format("atom {} of residue {} {}{} (serial {}, {} {}{})", site.atom->name.view(),
                      site.place->residue->name, site.place->residue->seqid.str(), chain,
-                     record.serial, record.line == 0 ? "number" : "line", record.line);
+                     record.serial, has_rows ? "row" : "line", record.line,
+                     has_rows ? " of _atom_site" : "");
 }
 
 [[noreturn]] void refuse_radius(const Site& site, const ParsedFile& file,
                                 const std::string& radius_set) {
-  const std::string name = name_of(site);
+  const std::string name = name_of(site, file);
   if (file.coarse_grained && site.atom->element == gemmi::El::X)
     throw InvalidInput(
         fmt::format("{}: {} is a bead of a coarse-grained (Martini) model, which stands for "

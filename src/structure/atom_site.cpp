@@ -215,6 +215,51 @@ void AtomSiteBuilder::append(const AtomSiteRow& row) {
   set_element(row, record);
 }
 
+gemmi::SeqId AtomSiteBuilder::sequence_id(std::string_view number, std::string_view code) {
+  constexpr std::size_t kMostDigits = 9;  // always fit an int, because 2^31 - 1 has ten
+  const std::size_t row = file_.atoms.size() + 1;
+  gemmi::SeqId id;
+  if (code.size() > 1)
+    refuse(file_.path, fmt::format("row {} of _atom_site: pdbx_PDB_ins_code is {}, not one "
+                                   "character",
+                                   row, in_quotes(code)));
+  if (!code.empty()) id.icode = code.front();
+  if (number.empty()) return id;
+  std::string_view digits = number;
+  if (digits.back() >= 'A') {
+    if (code.empty()) id.icode = digits.back();
+    digits.remove_suffix(1);
+    if (id.icode != number.back())
+      refuse(file_.path,
+             fmt::format("row {} of _atom_site: auth_seq_id is {}, but pdbx_PDB_ins_code {}", row,
+                         in_quotes(number), in_quotes(code)));
+    has_letters_behind_ = true;
+  } else if (is_letter(digits.front()) && code.empty()) {
+    id.icode = digits.front();
+    digits.remove_prefix(1);
+    note_letter_in_front(number, row);
+  }
+  has_letters_behind_ |= !code.empty();
+  const std::optional<std::int64_t> value = whole_number(digits);
+  if (digits.size() > kMostDigits || !value)
+    refuse(file_.path,
+           fmt::format("row {} of _atom_site: auth_seq_id is {}, not a whole number of at most "
+                       "{} digits",
+                       row, in_quotes(number), kMostDigits));
+  id.num = static_cast<int>(*value);
+  return id;
+}
+
+// "A46" becomes "46A", so no other residue may be called so.
+void AtomSiteBuilder::note_letter_in_front(std::string_view number, std::size_t row) {
+  if (has_letters_in_front_) return;
+  has_letters_in_front_ = true;
+  file_.warnings.push_back(
+      fmt::format("residue numbers have a letter in front, the first in row {} of _atom_site: {}; "
+                  "here it stands behind the number, as insertion codes do",
+                  row, in_quotes(number)));
+}
+
 // Numbers residues in the order of the hierarchy. Those of a chain have consecutive numbers.
 void AtomSiteBuilder::number_residues() {
   const auto by_model = [](const ChainPlace& a, const ChainPlace& b) { return a.model < b.model; };
@@ -236,6 +281,11 @@ void AtomSiteBuilder::number_residues() {
 void AtomSiteBuilder::finish(gemmi::cif::Block& rest) {
   if (file_.atoms.empty())
     refuse(file_.path, "its _atom_site table has no rows, so there is nothing to mesh");
+  if (has_letters_in_front_ && has_letters_behind_)
+    refuse(
+        file_.path,
+        "its auth_seq_id has numbers with a letter in front and insertion codes, which cannot be "
+        "told apart");
   file_.farthest = farthest_;
   file_.has_labels = has_labels_;
   number_residues();
@@ -257,33 +307,6 @@ gemmi::El symbol_element(std::string_view symbol) {
 bool is_needed_table(std::string_view prefix) {
   return std::any_of(kNeededTables.begin(), kNeededTables.end(),
                      [prefix](std::string_view table) { return same_letters(table, prefix); });
-}
-
-gemmi::SeqId sequence_id(std::string_view number, std::string_view code, std::size_t row,
-                         const std::string& path) {
-  constexpr std::size_t kMostDigits = 9;  // always fit an int, because 2^31 - 1 has ten
-  gemmi::SeqId id;
-  if (code.size() > 1)
-    refuse(path, fmt::format("row {} of _atom_site: pdbx_PDB_ins_code is {}, not one character",
-                             row, in_quotes(code)));
-  if (!code.empty()) id.icode = code.front();
-  if (number.empty()) return id;
-  std::string_view digits = number;
-  if (digits.back() >= 'A') {
-    if (code.empty()) id.icode = digits.back();
-    digits.remove_suffix(1);
-    if (id.icode != number.back())
-      refuse(path, fmt::format("row {} of _atom_site: auth_seq_id is {}, but pdbx_PDB_ins_code {}",
-                               row, in_quotes(number), in_quotes(code)));
-  }
-  const std::optional<std::int64_t> value = whole_number(digits);
-  if (digits.size() > kMostDigits || !value)
-    refuse(path,
-           fmt::format("row {} of _atom_site: auth_seq_id is {}, not a whole number of at most "
-                       "{} digits",
-                       row, in_quotes(number), kMostDigits));
-  id.num = static_cast<int>(*value);
-  return id;
 }
 
 char altloc_of(std::string_view label, std::size_t row, const std::string& path) {

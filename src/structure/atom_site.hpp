@@ -88,6 +88,12 @@ class AtomSiteBuilder {
  public:
   explicit AtomSiteBuilder(ParsedFile& file) : file_(file) {}
 
+  // The residue's number and insertion code, of the row to be added next, as gemmi has them. Old
+  // files write both into the column auth_seq_id ("15A"); some write the letter in front, which is
+  // told in a warning. Throws FileFormatError, with the row from 1, if the number is not an integer
+  // of at most nine digits or the code not one character.
+  gemmi::SeqId sequence_id(std::string_view number, std::string_view code);
+
   // Makes room for that many rows, which may be fewer than there are.
   void reserve(std::size_t rows);
 
@@ -117,6 +123,7 @@ class AtomSiteBuilder {
   void append(const AtomSiteRow& row);
   void set_element(const AtomSiteRow& row, AtomRecord& record);
   void number_residues();
+  void note_letter_in_front(std::string_view number, std::size_t row);
 
   ParsedFile& file_;
   std::vector<gemmi::Model> models_;
@@ -131,6 +138,7 @@ class AtomSiteBuilder {
   int largest_sequence_ = 0;         // the largest sequence number in chain_
   double farthest_ = 0;              // as in ParsedFile, of the rows so far; so is has_labels_
   bool has_labels_ = false;
+  bool has_letters_in_front_ = false, has_letters_behind_ = false;  // of residue numbers
 };
 
 // The element of a symbol; X if the symbol is empty or of no element.
@@ -138,12 +146,6 @@ gemmi::El symbol_element(std::string_view symbol);
 
 // Whether finish() needs the table whose tags begin with `prefix`, as "_entity.".
 bool is_needed_table(std::string_view prefix);
-
-// The residue's number and insertion code as gemmi has them. Old files write both into the column
-// auth_seq_id ("15A"). Throws FileFormatError, with the row from 1, if the number is not an integer
-// of at most nine digits or the code not one character.
-gemmi::SeqId sequence_id(std::string_view number, std::string_view code, std::size_t row,
-                         const std::string& path);
 
 // The label of an alternate location: '\0' for an empty text. Throws FileFormatError, with the row
 // from 1, if it has more than one character.

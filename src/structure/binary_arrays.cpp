@@ -161,8 +161,10 @@ class ArrayDecoder {
 
   Array decode_step(const PackedValue& encoding, Array array) const {
     const std::string_view kind = get(encoding, "kind").text().value_or("");
-    if (const Elements* found = std::get_if<Elements>(&array)) {
+    if (Elements* found = std::get_if<Elements>(&array)) {
       if (kind == "IntegerPacking") return unpacked(packing_of(encoding), *found, where_);
+      // Differences of 32 bits are the same with a sign as without.
+      if (kind == "Delta" && found->type == 6) found->type = 3;
       array = stream_of(*found, where_);
     }
     if (kind == "ByteArray") return byte_array(encoding, of<Bytes>(array, kind));
@@ -172,11 +174,17 @@ class ArrayDecoder {
     if (kind == "RunLength")
       return repeated(size(encoding), std::move(of<IntegerSource>(array, kind)), where_);
     if (kind == "Delta")
-      return summed(integer(encoding, "origin", kSmallest, kLargest),
+      return summed(integer(encoding, "origin", kSmallest, kLargest), source_type(encoding),
                     std::move(of<IntegerSource>(array, kind)), where_);
     if (kind == "IntegerPacking")
       return unpacked(packing_of(encoding), std::move(of<IntegerSource>(array, kind)), where_);
     fail(fmt::format("its encoding {} is not known", in_quotes(kind)));
+  }
+
+  // The type of the elements before they were encoded; 0 where it is not given.
+  std::int64_t source_type(const PackedValue& encoding) const {
+    const std::optional<PackedValue> type = encoding.find("srcType");
+    return type ? type->integer().value_or(0) : 0;
   }
 
   // The array as the kind of array that an encoding needs.
@@ -316,7 +324,8 @@ ColumnStream::ColumnStream(const PackedValue& column, std::size_t rows, const st
       std::visit([](const auto& values) { return size_of(values); }, parts_->values);
   if (size != rows) decoder.fail(fmt::format("has {} values in a table of {} rows", size, rows));
   const std::optional<PackedValue> mask = column.find("mask");
-  if (!mask) return;
+  // Some writers give a mask that is null or an empty map to columns that need none.
+  if (!mask || (!mask->find("encoding") && !mask->find("data"))) return;
   parts_->mask = decoder.integers(*mask);
   if (parts_->mask->size() != rows)
     decoder.fail(

@@ -89,11 +89,15 @@ class Reader {
   // The tables of the only data block with an atom table.
   std::vector<Category> block_with_atoms() const {
     std::optional<std::vector<Category>> found;
+    bool has_component = false;
     std::string_view found_name;
     for (const PackedValue& block : list(PackedValue(nodes_, 0), "dataBlocks")) {
       std::vector<Category> categories;
       for (const PackedValue& value : list(block, "categories"))
         categories.push_back(category(value));
+      has_component |= std::any_of(categories.begin(), categories.end(), [](const Category& c) {
+        return lower_case(c.name) == "_chem_comp_atom";
+      });
       const auto tables = std::count_if(categories.begin(), categories.end(), is_atom_site);
       if (tables == 0) continue;
       const std::string_view name = name_of(block, "header");
@@ -102,6 +106,8 @@ class Reader {
       found = std::move(categories);
       found_name = name;
     }
+    if (!found && has_component)
+      fail("describes a chemical component (_chem_comp_atom), which is read from .cif alone");
     if (!found) fail("has no atom coordinates (no _atom_site table); get the coordinate file");
     return std::move(*found);
   }
@@ -190,7 +196,7 @@ class Reader {
     first_row_ = first;
     const Flags begins = rows_that_begin(rows);
     for (std::size_t i = 0; i < rows; ++i) {
-      if (begins[i] != 0) read_place(i, row);
+      if (begins[i] != 0) read_place(i, row, builder);
       read_atom(i, row);
       if (begins[i] != 0)
         builder.add(row);
@@ -329,7 +335,7 @@ class Reader {
   }
 
   // What rows of a residue have in common.
-  void read_place(std::size_t index, AtomSiteRow& row) {
+  void read_place(std::size_t index, AtomSiteRow& row, AtomSiteBuilder& builder) {
     row.group = text(Column::group_PDB, index);
     row.residue = text(Column::auth_comp_id, index);
     row.chain = text(Column::auth_asym_id, index);
@@ -337,7 +343,7 @@ class Reader {
     row.entity = text(Column::label_entity_id, index);
     row.model = column(Column::pdbx_PDB_model_num) ? text(Column::pdbx_PDB_model_num, index) : "1";
     row.altloc = altloc_of(text(Column::label_alt_id, index), first_row_ + index + 1, file_.path);
-    row.sequence = sequence(index);
+    row.sequence = sequence(index, builder);
   }
 
   void read_atom(std::size_t index, AtomSiteRow& row) {
@@ -367,12 +373,11 @@ class Reader {
     return whole_number(text(Column::id, row));
   }
 
-  gemmi::SeqId sequence(std::size_t row) {
+  gemmi::SeqId sequence(std::size_t row, AtomSiteBuilder& builder) {
     const std::string_view code = text(Column::pdbx_PDB_ins_code, row);
     const std::optional<std::int32_t> number = integer(Column::auth_seq_id, row);
-    if (!number)
-      return sequence_id(text(Column::auth_seq_id, row), code, first_row_ + row + 1, file_.path);
-    gemmi::SeqId id = sequence_id({}, code, first_row_ + row + 1, file_.path);
+    if (!number) return builder.sequence_id(text(Column::auth_seq_id, row), code);
+    gemmi::SeqId id = builder.sequence_id({}, code);
     id.num = *number;
     return id;
   }

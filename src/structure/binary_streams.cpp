@@ -242,16 +242,21 @@ class RepeatedStream : public IntegerStream {
 
 class SummedStream : public IntegerStream {
  public:
-  SummedStream(std::int64_t origin, IntegerSource differences, const std::string& where)
+  SummedStream(std::int64_t origin, std::int64_t type, IntegerSource differences,
+               const std::string& where)
       : IntegerStream(differences->size(), where),
         sum_(origin),
+        kept_(type == 4   ? 0xFF
+              : type == 5 ? 0xFFFF
+              : type == 6 ? 0xFFFFFFFF
+                          : -1),
         differences_(std::move(differences)) {}
 
   void take(std::int32_t* to, std::size_t count) override {
     differences_->take(to, count);
     std::int64_t sum = sum_;
     for (std::size_t i = 0; i < count; ++i) {
-      sum += to[i];
+      sum = (sum + to[i]) & kept_;
       to[i] = static_cast<std::int32_t>(sum);
       if (to[i] != sum) narrow(sum);  // which fails
     }
@@ -261,6 +266,7 @@ class SummedStream : public IntegerStream {
 
  private:
   std::int64_t sum_;
+  const std::int64_t kept_;  // the bits of a sum that its type has
   IntegerSource differences_;
 };
 
@@ -317,8 +323,9 @@ IntegerSource repeated(std::size_t values, IntegerSource pairs, const std::strin
   return std::make_unique<RepeatedStream>(values, std::move(pairs), where);
 }
 
-IntegerSource summed(std::int64_t origin, IntegerSource differences, const std::string& where) {
-  return std::make_unique<SummedStream>(origin, std::move(differences), where);
+IntegerSource summed(std::int64_t origin, std::int64_t type, IntegerSource differences,
+                     const std::string& where) {
+  return std::make_unique<SummedStream>(origin, type, std::move(differences), where);
 }
 
 }  // namespace vdwmesh

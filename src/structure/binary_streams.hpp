@@ -55,7 +55,9 @@ IntegerSource unpacked(const Packing& packing, IntegerSource elements, const std
 // `pairs` of a value and the number of times it is repeated become `values` values.
 IntegerSource repeated(std::size_t values, IntegerSource pairs, const std::string& where);
 
-// The sums of `origin` and all differences so far.
-IntegerSource summed(std::int64_t origin, IntegerSource differences, const std::string& where);
+// The sums of `origin` and all differences so far, of elements of that type. Elements without a
+// sign go round: what is above the largest begins again at 0, and below 0 at the largest.
+IntegerSource summed(std::int64_t origin, std::int64_t type, IntegerSource differences,
+                     const std::string& where);
 
 }  // namespace vdwmesh

@@ -12,6 +12,7 @@
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
+#include "core/read_double.hpp"
 #include "structure/lines.hpp"
 
 namespace vdwmesh {
@@ -114,12 +115,12 @@ double cif_number(std::string_view value) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (value.starts_with('+') && !value.starts_with("+-")) value.remove_prefix(1);
   if (const std::optional<double> number = short_decimal(value)) return *number;
-  // from_chars reads "inf" and "nan", too, which CIF does not know.
+  // read_double reads "inf" and "nan", too, which CIF does not know.
   const std::size_t first = value.starts_with('-') ? 1 : 0;
   if (first == value.size() || (!is_digit(value[first]) && value[first] != '.')) return kNone;
   double number = 0;
   const char* const last = value.data() + value.size();
-  const auto [end, error] = std::from_chars(value.data(), last, number);
+  const auto [end, error] = read_double(value.data(), last, number);
   if (error != std::errc()) return kNone;
   if (end == last) return number;
   const bool uncertain =

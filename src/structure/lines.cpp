@@ -2,13 +2,17 @@
 // the field.
 #include "structure/lines.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <system_error>
 
+#include "core/errors.hpp"
 #include "core/letters.hpp"
+#include "core/read_double.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -104,7 +108,7 @@ std::optional<double> finite_number(std::string_view field) {
   // from_chars accepts no plus sign, so the sign is removed first. "+-3" keeps it and is refused.
   if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
   double value = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  const auto [end, error] = read_double(field.data(), field.data() + field.size(), value);
   if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
     return std::nullopt;
   return value;
@@ -117,6 +121,13 @@ std::optional<std::int64_t> whole_number(std::string_view field) {
   if (field.empty() || error != std::errc() || end != field.data() + field.size())
     return std::nullopt;
   return value;
+}
+
+double number_or_refuse(std::string_view field, std::string_view what, const std::string& path,
+                        std::uint32_t line) {
+  if (const std::optional<double> value = finite_number(field)) return *value;
+  throw FileFormatError(
+      fmt::format("{}:{}: {} is {}, not a finite number", path, line, what, in_quotes(field)));
 }
 
 std::string in_quotes(std::string_view field) {

@@ -34,6 +34,10 @@ std::optional<double> short_decimal(std::string_view text);
 // empty field, text behind the digits, NaN or infinity.
 std::optional<double> finite_number(std::string_view field);
 
+// The same; throws FileFormatError where it is nothing. `what` names the field in the message.
+double number_or_refuse(std::string_view field, std::string_view what, const std::string& path,
+                        std::uint32_t line);
+
 // The field as a decimal integer, with the same rule. Nothing if it does not fit 64 bits.
 std::optional<std::int64_t> whole_number(std::string_view field);
 

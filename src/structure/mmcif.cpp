@@ -42,7 +42,7 @@ class Row {
       : layout_(layout), values_(values) {}
 
   // The row for the builder. `number` is that of the row from 1, for messages.
-  AtomSiteRow read(std::size_t number, const std::string& path) const {
+  AtomSiteRow read(std::size_t number, const std::string& path, AtomSiteBuilder& builder) const {
     AtomSiteRow row;
     row.group = text(Column::group_PDB);
     row.symbol = text(Column::type_symbol);
@@ -54,8 +54,7 @@ class Row {
     row.model = layout_[Column::pdbx_PDB_model_num] < 0 ? "1" : text(Column::pdbx_PDB_model_num);
     row.id = whole_number(text(Column::id));
     row.altloc = altloc_of(text(Column::label_alt_id), number, path);
-    row.sequence =
-        sequence_id(text(Column::auth_seq_id), text(Column::pdbx_PDB_ins_code), number, path);
+    row.sequence = builder.sequence_id(text(Column::auth_seq_id), text(Column::pdbx_PDB_ins_code));
     row.position_texts = {raw(Column::Cartn_x), raw(Column::Cartn_y), raw(Column::Cartn_z)};
     row.position = {cif_number(row.position_texts[0]), cif_number(row.position_texts[1]),
                     cif_number(row.position_texts[2])};
@@ -86,13 +85,14 @@ class Reader {
   Reader(std::string_view text, ParsedFile& file, Monitor* monitor)
       : tokens_(text, file.path), file_(file), monitor_(monitor), builder_(file) {}
 
-  // Returns false, and leaves the file as it is, if it is of a small molecule.
+  // Returns false, and leaves the file as it is, if it is of a small molecule or a component.
   bool run() {
     token_ = tokens_.next();
     while (token_.kind != CifKind::end) {
       take_item();
       if (small_molecule_) return false;
     }
+    if (!has_atoms_ && component_) return false;
     if (!has_atoms_)
       throw FileFormatError(
           fmt::format("{}: has no atom coordinates (no _atom_site table); get the coordinate file",
@@ -136,8 +136,9 @@ class Reader {
   bool is_of_atoms(std::string_view tag) const {
     return !in_frame_ && lower_case(table_of(tag)) == kAtoms;
   }
-  // Notes a tag with fractional coordinates.
+  // Notes a tag with fractional coordinates, and one of the atoms of a chemical component.
   void look_at(std::string_view tag) {
+    component_ = component_ || lower_case(table_of(tag)) == "_chem_comp_atom.";
     if (!in_frame_ && lower_case(tag) == kFractions) small_molecule_ = true;
   }
 
@@ -238,7 +239,7 @@ class Reader {
       if (++column < width) continue;
       column = 0;
       if (file_.atoms.size() % kLinesPerCheck == 0) vdwmesh::advance(monitor_, 0);
-      builder_.add(row.read(file_.atoms.size() + 1, file_.path));
+      builder_.add(row.read(file_.atoms.size() + 1, file_.path, builder_));
     }
     token_ = token;
     return count;
@@ -250,7 +251,7 @@ class Reader {
     if (incomplete_) completed_layout(*incomplete_, file_.path);
     if (single_values_.empty()) return;
     const AtomSiteLayout layout = completed_layout(single_, file_.path);
-    builder_.add(Row(layout, single_values_).read(1, file_.path));
+    builder_.add(Row(layout, single_values_).read(1, file_.path, builder_));
   }
 
   CifTokens tokens_;
@@ -263,7 +264,7 @@ class Reader {
   std::string_view atoms_name_;  // of the block that holds atoms
   bool in_frame_ = false;
   bool has_atoms_ = false;  // atoms_name_ is known
-  bool small_molecule_ = false;
+  bool small_molecule_ = false, component_ = false;
   int parts_ = 0;                             // loops of _atom_site so far
   std::optional<AtomSiteLayout> incomplete_;  // of a loop without coordinates
   AtomSiteLayout single_;                     // columns without a loop

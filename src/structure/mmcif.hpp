@@ -10,7 +10,8 @@
 
 namespace vdwmesh {
 
-// Reads the atoms of a small molecule: a file with fractional coordinates.
+// Reads the atoms of a small molecule: a file with fractional coordinates, or one that describes a
+// chemical component.
 void read_small_molecule(std::string_view text, ParsedFile& file);
 
 // The message about a file with atoms in two data blocks, which have these names.

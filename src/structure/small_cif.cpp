@@ -1,10 +1,11 @@
-// Reads CIF files of small molecules as their asymmetric unit. gemmi parses the text and places the
-// fractional coordinates.
+// Reads CIF files of small molecules as their asymmetric unit, and those of chemical components.
+// gemmi parses the text and places the fractional coordinates.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <gemmi/chemcomp_xyz.hpp>
 #include <gemmi/cif.hpp>
 #include <gemmi/model.hpp>
 #include <gemmi/smcif.hpp>
@@ -107,10 +108,56 @@ void read_block(cif::Block& block, ParsedFile& file) {
   file.format = "cif";
 }
 
+// The only data block that lists atoms of a chemical component, in a file without a crystal. Null
+// if there is none.
+const cif::Block* block_with_component(const cif::Document& document, const std::string& path) {
+  const cif::Block* found = nullptr;
+  for (const cif::Block& block : document.blocks) {
+    if (block.has_tag("_atom_site_fract_x")) return nullptr;
+    if (!block.has_tag("_chem_comp_atom.atom_id")) continue;
+    if (found) refuse(path, two_blocks_with_atoms(found->name, block.name));
+    found = &block;
+  }
+  return found;
+}
+
+// The atoms of a component of wwPDB's dictionary or of a library of Refmac, in one residue. Of the
+// sets of coordinates that gemmi finds, the first that has all atoms is read: x, y and z of Refmac,
+// those of a model, or ideal ones.
+void read_component(const cif::Block& block, ParsedFile& file) {
+  const auto is_placed = [](const gemmi::Atom& atom) {
+    return std::isfinite(atom.pos.x) && std::isfinite(atom.pos.y) && std::isfinite(atom.pos.z);
+  };
+  gemmi::Structure component = gemmi::make_structure_from_chemcomp_block(block);
+  for (gemmi::Model& model : component.models) {
+    gemmi::Residue& residue = model.chains.at(0).residues.at(0);
+    if (!std::all_of(residue.atoms.begin(), residue.atoms.end(), is_placed)) continue;
+    file.warnings.push_back(
+        fmt::format("describes a chemical component, {}, of which the coordinates {} are read",
+                    residue.name, model.name));
+    residue.seqid.num = 1;
+    for (std::size_t i = 0; i < residue.atoms.size(); ++i) {
+      residue.atoms[i].serial = static_cast<int>(i);
+      file.atoms.emplace_back().serial = static_cast<std::int64_t>(i) + 1;
+      file.atoms.back().line = static_cast<std::uint32_t>(i) + 1;
+    }
+    model.name = "1";
+    file.structure->models.push_back(std::move(model));
+    take_gemmi_atoms(file);
+    file.format = "cif";
+    return;
+  }
+  refuse(file.path,
+         "describes a chemical component, and has no set of coordinates for all of its "
+         "atoms (_chem_comp_atom); get one with ideal coordinates");
+}
+
 }  // namespace
 
 void read_small_molecule(std::string_view text, ParsedFile& file) {
   cif::Document document = cif::read_memory(text.data(), text.size(), file.path.c_str());
+  if (const cif::Block* const component = block_with_component(document, file.path))
+    return read_component(*component, file);
   read_block(block_with_atoms(document, file.path), file);
 }
 

@@ -1,7 +1,9 @@
 """Objects of other packages as sources and sinks. Packages that Debian lacks have stand-ins here,
 with the attributes that their documentation names."""
 
+import pathlib
 import sys
+import tempfile
 import types
 import unittest
 from unittest import mock
@@ -29,6 +31,11 @@ class SourcesTest(unittest.TestCase):
         cls.molecule = vdwmesh.read(UBIQUITIN)
         cls.expected = vdwmesh.exact(cls.molecule)
         cls.residues = vdwmesh.sasa(cls.molecule, mode="residue")
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
 
     def assert_same(self, source, relative=FLOAT32):
         found = vdwmesh.exact(source)
@@ -83,6 +90,121 @@ class SourcesTest(unittest.TestCase):
         self.assert_same(array)
         array.coord = np.stack([m.coords, m.coords])
         self.assertEqual(vdwmesh.sasa(array).shape, (2,))
+
+    def universe(self, **attributes):
+        """A universe of MDAnalysis with one residue LIG and these attributes of its atoms."""
+        package = need_package("python3-mdanalysis", module="MDAnalysis")
+        count = len(next(iter(attributes.values())))
+        made = package.Universe.empty(count, 1, atom_resindex=[0] * count, trajectory=True)
+        made.add_TopologyAttr("resnames", ["LIG"])
+        for name, values in attributes.items():
+            made.add_TopologyAttr(name, values)
+        made.atoms.positions = np.arange(3 * count).reshape(count, 3) * 10.0
+        return made
+
+    def radii_that_are_used(self, source):
+        """By the areas of balls that are apart."""
+        return np.sqrt(vdwmesh.exact(source).atom_area / (4 * np.pi)).tolist()
+
+    def assert_elements(self, source, elements):
+        np.testing.assert_allclose(self.radii_that_are_used(source), vdwmesh.radii_of(elements), rtol=1e-9)
+
+    def test_types_of_force_fields_are_no_elements(self):
+        charmm = self.universe(names=["CA", "CG", "HA", "SOD", "OH", "NE"], types=["CA", "CA", "HP", "SOD", "OH1", "NC2"],
+                               masses=[12.011, 12.011, 1.008, 22.98977, 15.9994, 14.007])  # fmt: skip
+        self.assert_elements(charmm, ["C", "C", "H", "Na", "O", "N"])
+        gaff = self.universe(names=["C1", "C2", "O1", "H1", "N1"], types=["ca", "cd", "os", "ho", "ne"])
+        self.assert_elements(gaff, ["C", "C", "O", "H", "N"])
+        numbers = self.universe(types=["56", "1", "2"], masses=[15.9994, 1.008, 55.845])
+        self.assert_elements(numbers, ["O", "H", "Fe"])
+        moved = self.universe(names=["N", "HN", "CA", "O", "HO", "CB"], types=["N"] * 6,  # of hydrogens times three
+                              masses=[14.007 - 2.016, 3.024, 12.011 - 2.016, 15.999 - 2.016, 3.024, 12.011 - 6.048])
+        self.assert_elements(moved, ["N", "H", "C", "O", "H", "C"])
+        united = self.universe(names=["CH3", "CB"], types=["CH3", "CH2"], masses=[15.035, 14.027])
+        self.assert_elements(united, ["C", "C"])
+
+    def test_types_alone_are_refused(self):
+        for types in (["CT2"], ["56"], ["ca"]):
+            with self.subTest(types), self.assertRaisesRegex(ValueError, "radii: are needed"):
+                vdwmesh.exact(self.universe(types=types))
+        site = self.universe(names=["OW", "MW"], types=["OT", "MW"], masses=[15.9994, 0.0])
+        with self.assertRaisesRegex(ValueError, "element of atom 1 .MW of LIG. cannot be told; types of a force field"):
+            vdwmesh.exact(site)
+        self.assertEqual(self.radii_that_are_used(site.select_atoms("prop mass > 0")), [1.52])
+
+    def test_elements_that_are_missing_in_part(self):
+        part = self.universe(names=["CA", "N"], elements=["Ca", ""])
+        self.assert_elements(part, ["Ca", "N"])
+
+    ALTERNATIVES = """\
+ATOM      1  N   SER A   1       0.000   0.000   0.000  1.00 10.00           N
+ATOM      2  CA ASER A   1       1.450   0.000   0.000  0.40 10.00           C
+ATOM      3  CA BSER A   1       1.470   0.300   0.000  0.60 10.00           C
+ATOM      4  OG ASER A   1       2.000   1.400   0.000  0.40 10.00           O
+ATOM      5  N  AGLY A   2       9.000   0.000   0.000  0.70 10.00           N
+ATOM      6  N  BALA A   2       9.000   0.500   0.000  0.30 10.00           N
+ATOM      7  CA AGLY A   2      10.450   0.000   0.000  0.70 10.00           C
+ATOM      8  CA BALA A   2      10.450   0.500   0.000  0.30 10.00           C
+END
+"""
+
+    def assert_one_location(self, open_file):
+        path = self.folder / "a.pdb"
+        path.write_text(self.ALTERNATIVES)
+        expected = vdwmesh.exact(vdwmesh.read(path))
+        source = open_file(path)
+        with self.assertWarnsRegex(UserWarning, "3 of 8 atoms are alternate locations"):
+            found = vdwmesh.exact(source)
+        np.testing.assert_allclose(found.atom_area, expected.atom_area, rtol=FLOAT32)
+        with self.assertWarns(UserWarning), self.assertRaisesRegex(ValueError, "radii: has 8 radii for 5 atoms"):
+            vdwmesh.exact(source, np.full(8, 1.5))
+        return source, expected
+
+    def test_alternate_locations_of_gemmi(self):
+        package = need_package("python3-gemmi", module="gemmi")
+        self.assert_one_location(lambda path: package.read_structure(str(path)))
+
+    def test_alternate_locations_of_mdanalysis(self):
+        package = need_package("python3-mdanalysis", module="MDAnalysis")
+        source, expected = self.assert_one_location(lambda path: package.Universe(str(path)))
+        with self.assertWarns(UserWarning):
+            frames = list(vdwmesh.frames(source, per_atom=True))
+        self.assertAlmostEqual(frames[0].area, expected.area, delta=FLOAT32 * expected.area)
+        from vdwmesh.mdanalysis import SurfaceAnalysis
+        with self.assertWarns(UserWarning):
+            results = SurfaceAnalysis(source.atoms).run().results
+        self.assertAlmostEqual(results.area[0], expected.area, delta=FLOAT32 * expected.area)
+        self.assertEqual(results.atom_area.shape, (1, 5))
+
+    def test_biopython(self):
+        need_package("python3-biopython", module="Bio")
+        from Bio.PDB import PDBParser
+        structure = PDBParser(QUIET=True).get_structure("x", str(UBIQUITIN))
+        self.assert_same(self.without_waters(structure))
+        with self.assertRaisesRegex(ValueError, "Bio.PDB's Vector has no atoms"):
+            vdwmesh.exact(next(structure.get_atoms()).get_vector())
+
+    def without_waters(self, structure):
+        for chain in structure[0]:
+            for residue in [residue for residue in chain if residue.get_resname() == "HOH"]:
+                chain.detach_child(residue.id)
+        return structure
+
+    def test_virtual_sites_of_mdtraj(self):
+        package = need_package("python3-mdtraj", module="mdtraj")
+        topology = package.Topology()
+        residue = topology.add_residue("HOH", topology.add_chain())
+        topology.add_atom("O", package.element.oxygen, residue)
+        topology.add_atom("VS", package.element.virtual, residue)
+        topology.add_atom("H", package.element.hydrogen, residue)
+        made = package.Trajectory(np.arange(9).reshape(1, 3, 3) * 1.0, topology)
+        with self.assertRaisesRegex(ValueError, "element of atom 1 .VS of HOH. cannot be told; virtual sites"):
+            vdwmesh.exact(made)
+        self.assert_elements(made.atom_slice([0, 2]), ["O", "H"])
+
+    def test_other_objects_are_refused_by_their_class(self):
+        with self.assertRaisesRegex(ValueError, "objects of ase.structure.Atoms are not read"):
+            vdwmesh.exact(stand_in("ase", "Atoms"))
 
     def test_sources_without_elements_are_refused(self):
         group = stand_in("MDAnalysis", "AtomGroup", positions=np.zeros((1, 3)), resindices=np.zeros(1, int),

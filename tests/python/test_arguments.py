@@ -95,6 +95,17 @@ class WrongArgumentsTest(unittest.TestCase):
             found = vdwmesh.sasa(*two, probe=0, mode="residue", groups=groups)
             np.testing.assert_allclose(found / np.pi, [4, 16])
 
+    def test_masked_elements_are_refused(self):
+        coords, radii = np.zeros((2, 3)), np.ones(2)
+        masked = np.ma.masked_array(radii, [False, True])
+        for call in (lambda: vdwmesh.exact(np.ma.masked_less(coords, 1), radii), lambda: vdwmesh.exact(coords, masked),
+                     lambda: vdwmesh.exact(coords, radii, atoms=masked > 0),
+                     lambda: vdwmesh.radii_of(np.ma.masked_array(["C", "N"], [True, False]))):
+            with self.assertRaisesRegex(ValueError, "has masked elements"):
+                call()
+        whole = np.ma.masked_array(radii, [False, False])
+        self.assertEqual(vdwmesh.exact(coords, whole).area, vdwmesh.exact(coords, radii).area)
+
     def test_a_missing_device_is_said(self):
         expected = vdwmesh.exact(ONE, SIZE, device="cpu").area
         try:

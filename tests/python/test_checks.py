@@ -1,6 +1,8 @@
 """vdwmesh.quality, compare and signed_distance: beside formulas and beside the program."""
 
 import math
+import pathlib
+import tempfile
 import unittest
 from dataclasses import asdict
 
@@ -22,6 +24,20 @@ class QualityTest(unittest.TestCase):
         self.assertEqual((found.genus, found.components, found.self_intersections), (0, 1, 0))
         self.assertAlmostEqual(found.min_angle_deg.min, 45, delta=1e-12)
         self.assertAlmostEqual(found.edge_length.max, math.sqrt(2), delta=1e-15)
+
+    def test_numbers_too_close_to_zero_are_zero(self):
+        corners, faces = ["1e-400 -1E-330 0", "1 0 0", "0 1 0", "0 0 1"], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+        off = "OFF\n4 4 0\n" + "\n".join(corners + [f"3 {a} {b} {c}" for a, b, c in faces]) + "\n"
+        obj = "\n".join([f"v {corner}" for corner in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces])
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in (("a.off", off), ("a.obj", obj + "\n")):
+                path = pathlib.Path(folder) / name
+                path.write_text(text)
+                with self.subTest(name):
+                    self.assertAlmostEqual(vdwmesh.quality(path).volume, 1 / 6, delta=1e-15)
+                path.write_text(text.replace("1e-400", "1e400"))
+                with self.subTest(name), self.assertRaises(vdwmesh.FileFormatError):
+                    vdwmesh.quality(path)
 
     def test_what_an_open_mesh_lacks_is_none(self):
         found = vdwmesh.quality((TETRAHEDRON[0], TETRAHEDRON[1][:3]))

@@ -32,6 +32,20 @@ def areas(frames):
     return [frame.area for frame in frames]
 
 
+class ExcludedTest(unittest.TestCase):
+    def test_frames_are_those_of_exact(self):
+        molecule = vdwmesh.sample("bpti")[:80]
+        places = jittered(molecule, 3)
+        found = vdwmesh.trajectory(places, radii=molecule.radii, surface="excluded", per_atom=True)
+        for i, place in enumerate(places):
+            alone = vdwmesh.exact(place, molecule.radii, surface="excluded")
+            self.assertEqual((found.area[i], found.volume[i]), (alone.area, alone.volume))
+            np.testing.assert_array_equal(found.atom_area[i], alone.atom_area)
+        for wrong, word in (({"topology": True}, "surface"), ({"atoms": [1]}, "surface"), ({"surface": "vdv"}, "surface")):
+            with self.subTest(wrong), self.assertRaisesRegex(ValueError, word):
+                vdwmesh.frames(places, radii=molecule.radii, **({"surface": "excluded"} | wrong))
+
+
 class ArraysTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -388,6 +402,13 @@ class TablesTest(unittest.TestCase):
         with self.assertRaises(OSError):
             self.result.save(self.folder / "none" / "x.csv")
         self.assertEqual(os.listdir(self.folder), [])
+
+    def test_no_file_beside_it_is_written_to(self):
+        guessed = self.folder / "x.csv.part"
+        guessed.write_text("of another")
+        self.result.save(self.folder / "x.csv")
+        self.assertEqual(guessed.read_text(), "of another")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["x.csv", "x.csv.part"])
 
 
 class MdtrajTest(unittest.TestCase):

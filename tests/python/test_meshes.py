@@ -1,6 +1,7 @@
 """vdwmesh.mesh and marching_cubes: beside formulas, the exact union, the program and scikit-image."""
 
 import math
+import pickle
 import unittest
 import warnings
 
@@ -91,6 +92,20 @@ class MeshTest(unittest.TestCase):
                     vdwmesh.mesh(self.molecule, **{"surface": "excluded", **wrong})
         with self.assertRaises(vdwmesh.BackendUnavailable):
             vdwmesh.mesh(self.molecule, surface="excluded", device="cuda")
+
+    def test_pickles_are_the_meshes(self):
+        molecule = vdwmesh.sample("bpti")[:60]
+        for options in ({"edge_length": 1.0}, {"surface": "excluded", "edge_length": 1.0},
+                        {"mesher": "marching-cubes", "normals": False}):  # fmt: skip
+            with self.subTest(options):
+                mesh = vdwmesh.mesh(molecule, **options)
+                found = pickle.loads(pickle.dumps(mesh))
+                for name in ("vertices", "faces", "normals", "vertex_atoms", "face_atoms", "face_patches",
+                             "patch_kinds", "patch_atoms", "mean_curvature"):
+                    np.testing.assert_array_equal(getattr(found, name), getattr(mesh, name))
+                self.assertEqual(found.area, mesh.area)
+                self.assertEqual(vdwmesh.quality(found, self_intersections=True),
+                                 vdwmesh.quality(mesh, self_intersections=True))  # fmt: skip
 
     def test_options(self):
         grown = vdwmesh.mesh([[0, 0, 0]], [1.0], probe=1.0, mesher="marching-cubes", spacing=0.1)
@@ -349,6 +364,13 @@ class MarchingCubesTest(unittest.TestCase):
             np.testing.assert_array_equal(vdwmesh.marching_cubes(unaligned, 0).vertices, expected)
         counts = (self.ball() * 100).astype(np.int16)
         self.assertTrue(vdwmesh.marching_cubes(counts, 10).is_closed)
+
+    def test_values_that_are_no_numbers_are_refused(self):
+        for value in (np.nan, np.inf):
+            volume = np.ones((3, 3, 3))
+            volume[1, 2, 0] = value
+            with self.subTest(value), self.assertRaisesRegex(ValueError, r"volume\[\(1, 2, 0\)\]: (nan|inf) is not"):
+                vdwmesh.marching_cubes(volume, 0.5)
 
     def test_the_border_is_closed(self):
         mesh = vdwmesh.marching_cubes(np.ones((3, 4, 5)), 0.5)

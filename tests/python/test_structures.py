@@ -2,13 +2,16 @@
 
 import gzip
 import io
+import os
 import pathlib
 import tempfile
 import unittest
 
+import binary_cif
 import numpy as np
 import vdwmesh
 from program import UBIQUITIN, ProgramTest, need_package, need_shared, run
+from vdwmesh.errors import in_terms_of_python
 
 # A. Bondi, J. Phys. Chem. 68 (1964) 441; S. Alvarez, Dalton Trans. 42 (2013) 8617. Å.
 BONDI = {"C": 1.70, "N": 1.55, "O": 1.52, "S": 1.80}
@@ -116,6 +119,126 @@ class ReadTest(unittest.TestCase):
                     self.assertNotIn("\n", str(caught.exception))
 
 
+    def test_a_missing_file_is_what_python_calls_so(self):
+        for kind in (FileNotFoundError, vdwmesh.FileFormatError, vdwmesh.FileMissing):
+            with self.subTest(kind), self.assertRaisesRegex(kind, "^/not/there.pdb: cannot be opened: No such file"):
+                vdwmesh.read("/not/there.pdb")
+        with self.assertRaises(FileNotFoundError) as caught:
+            vdwmesh.quality("/not/there.ply")
+        self.assertEqual(caught.exception.errno, 2)
+        with self.assertRaises(FileNotFoundError):
+            vdwmesh.read(UBIQUITIN, radii=pathlib.Path("/not/there.txt"))
+
+    def test_molecules_are_compared_by_their_atoms(self):
+        molecule = vdwmesh.read(UBIQUITIN)
+        self.assertEqual(molecule, vdwmesh.sample("ubiquitin"))
+        self.assertNotEqual(molecule, molecule[:5])
+        self.assertNotEqual(molecule, 5)
+
+    def test_radius_sets_in_any_case_and_paths(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "radii.txt"
+            path.write_text("H 1\nC 2\nN 2\nO 2\nS 2\n")
+            molecule = vdwmesh.read(UBIQUITIN)
+            self.assertEqual(vdwmesh.exact(molecule, path).area,
+                             vdwmesh.exact(vdwmesh.read(UBIQUITIN, radii=path)).area)  # fmt: skip
+            self.assertEqual(next(vdwmesh.frames(molecule, radii=path)).area, vdwmesh.exact(molecule, path).area)
+            self.assertTrue(vdwmesh.mesh_many([molecule[:3]], path, spacing=1)[0].is_closed)
+        self.assertEqual(vdwmesh.exact(molecule, "Bondi").area, vdwmesh.exact(molecule).area)
+        self.assertEqual(vdwmesh.radii_of(["C"], set="ALVAREZ").tolist(), [1.77])
+
+    def test_messages_name_arguments(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "q--radii.pdb"
+            path.write_text("HETATM    1 Q1   LIG A   1       0.000   0.000   0.000  1.00  0.00\n")
+            with self.assertRaises(ValueError) as caught:
+                vdwmesh.read(path)
+        self.assertIn("q--radii.pdb", str(caught.exception))
+        self.assertNotIn(" --", str(caught.exception))
+        self.assertIn("radii=", str(caught.exception))
+        self.assertEqual(
+            in_terms_of_python("say --format pdb, --radii FILE, --select '[!X]', --waters or --no-hydrogens; a--radii --tables"),
+            "say format='pdb', radii=FILE, select='[!X]', waters=True or hydrogens=False; a--radii --tables")
+
+
+class BinaryCifTest(unittest.TestCase):
+    """Columns as writers of BinaryCIF encode them, by the encoder of the tests."""
+
+    NUMBERS = [5, 9, 2, 7, 1, 0, 3, 3]
+
+    def resids(self, data, mask=None):
+        need_package("python3-msgpack", module="msgpack")
+        rows = len(self.NUMBERS)
+        texts = {"label_asym_id": ["A"] * rows, "label_comp_id": ["UNL"] * rows, "type_symbol": ["C"] * rows,
+                 "label_atom_id": [f"C{i}" for i in range(rows)], "Cartn_x": [f"{9 * i}.0" for i in range(rows)],
+                 "Cartn_y": ["0.0"] * rows, "Cartn_z": ["0.0"] * rows}  # fmt: skip
+        table = [binary_cif.column(name, values) for name, values in texts.items()]
+        table.append({"name": "auth_seq_id", "data": binary_cif.packed_data(data), "mask": mask})
+        packed = binary_cif.pack(binary_cif.document(("x", [binary_cif.category("_atom_site", table, rows)])))
+        return [int(number) for number in vdwmesh.read(packed, format="bcif").resids]
+
+    def test_differences_of_unsigned_types_go_round(self):
+        for source, letter in ((4, "B"), (5, "H"), (6, "I")):
+            size = 1 << 8 * (1, 2, 4)[source - 4]
+            steps = [(b - a) % size for a, b in zip([0, *self.NUMBERS], self.NUMBERS)]
+            encodings, data = binary_cif.byte_array(steps, letter)
+            delta = {"kind": "Delta", "origin": 0, "srcType": source}
+            with self.subTest(source):
+                self.assertEqual(self.resids(([delta, *encodings], data)), self.NUMBERS)
+
+    def test_an_empty_mask_is_none(self):
+        self.assertEqual(self.resids(binary_cif.int32(self.NUMBERS), {}), self.NUMBERS)
+
+
+class ForeignLettersTest(unittest.TestCase):
+    """Names that are no ASCII, and names that are no UTF-8."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.path = os.path.join(folder.name, os.fsdecode(b"l\xe4t.pdb"))  # Latin-1
+
+    def line(self, residue):
+        return b"HETATM    1  C1  " + residue + b" A   1       0.000   0.000   0.000  1.00  0.00           C\n"
+
+    def test_names_of_files_come_back(self):
+        with open(self.path, "wb") as file:
+            file.write(self.line(b"LIG"))
+        molecule = vdwmesh.read(self.path)
+        self.assertEqual(molecule.path, self.path)
+        self.assertEqual([row.name for row in vdwmesh.batch(self.folder)], [self.path])
+        with open(self.path, "rb") as file:
+            self.assertEqual(vdwmesh.read(file).path, self.path)
+        mesh = vdwmesh.mesh(molecule, edge_length=1.0)
+        mesh.save(self.path + ".ply")
+        self.assertEqual(vdwmesh.quality(self.path + ".ply").triangles, len(mesh.faces))
+
+    def test_texts_are_utf8_or_come_back_as_they_were(self):
+        for residue, expected in ((b"\xc3\xa4L", "äL"), (b"\xe4L", "\udce4L")):
+            with self.subTest(residue):
+                molecule = vdwmesh.read(self.line(residue.ljust(3)), format="pdb")
+                self.assertEqual(molecule.resnames.tolist(), [expected])
+                self.assertEqual(vdwmesh.exact(molecule, "bondi").area, vdwmesh.exact(molecule).area)
+                chosen = vdwmesh.read(self.line(residue.ljust(3)), format="pdb", select=f"({expected})")
+                self.assertEqual(len(chosen), 1)
+
+    def test_faults_are_rows_and_messages_that_print(self):
+        with open(self.path, "wb") as file:
+            file.write(b"HETATM    1  Q1  L\xe4G A   1       0.000   0.000   0.000  1.00  0.00           Q\n")
+        (self.folder / "z.xyzr").write_text("0 0 0 1\n")
+        rows = list(vdwmesh.batch(self.folder))
+        self.assertEqual([row.name for row in rows], [self.path, str(self.folder / "z.xyzr")])
+        self.assertIn("l\\xe4t.pdb", rows[0].error)
+        rows[0].error.encode()
+        self.assertGreater(rows[1].area, 12)
+        with self.assertRaises(ValueError) as caught:
+            vdwmesh.read(self.path)
+        self.assertEqual(str(caught.exception), rows[0].error)
+        with self.assertRaisesRegex(FileNotFoundError, r"n\\xe4ne"):
+            vdwmesh.read(os.fsdecode(b"n\xe4ne.pdb"))
+
+
 class SameAsProgramTest(ProgramTest):
     def test_odd_files_are_read_or_refused_alike(self):
         for path in sorted(need_shared("molecules/odd").iterdir()):
@@ -127,7 +250,7 @@ class SameAsProgramTest(ProgramTest):
                 try:
                     molecule = vdwmesh.read(path)
                 except vdwmesh.Error as error:
-                    self.assertEqual(result.stderr, f"vdwmesh: {error}\n")
+                    self.assertEqual(in_terms_of_python(result.stderr), f"vdwmesh: {error}\n")
                     continue
                 self.assertEqual(result.returncode, 0, result.stderr)
                 rows = [line.split(",") for line in table.read_text().splitlines()[1:]]

@@ -292,5 +292,48 @@ TEST(SmallCif, GroupsOfDisorderAreAlternateLocations) {
             (std::vector<double>{0, 1, 3, 5}));
 }
 
+TEST(MmCif, LettersInFrontOfResidueNumbersGoBehind) {
+  const std::string row = "ATOM 1 P P . U A 1 0 0 0 1 10 A46 A 1\n";
+  const Molecule molecule = read_text_as("a.cif", kColumns + row);
+  EXPECT_EQ(molecule.atoms.at(0).residue_number, "46A");
+  ASSERT_EQ(molecule.warnings.size(), 1U);
+  EXPECT_THAT(molecule.warnings[0], HasSubstr("row 1 of _atom_site: 'A46'"));
+  EXPECT_THAT(refusal_of_text<FileFormatError>(
+                  "a.cif", kColumns + row + "ATOM 2 P P . U A 1 0 0 9 1 10 46A A 1\n"),
+              HasSubstr("cannot be told apart"));
+  EXPECT_THAT(refusal_of_text<FileFormatError>(
+                  "a.cif", kColumns + "ATOM 1 P P . U A 1 0 0 0 1 10 AB46 A 1\n"),
+              HasSubstr("auth_seq_id is 'AB46'"));
+}
+
+TEST(MmCif, AtomsOfMessagesAreRows) {
+  const std::string text = kColumns + "ATOM 7 C C . GLY A 1 0 0 0 1 10 1 A 1\n" +
+                           "HETATM 9 Q1 Q1 . LIG A 1 5 0 0 1 10 2 A 1\n";
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.cif", text),
+              HasSubstr("(serial 9, row 2 of _atom_site)"));
+}
+
+const std::string kComponent =
+    "data_3UQ\n_chem_comp.id 3UQ\nloop_\n_chem_comp_atom.comp_id\n_chem_comp_atom.atom_id\n"
+    "_chem_comp_atom.type_symbol\n_chem_comp_atom.model_Cartn_x\n_chem_comp_atom.model_Cartn_y\n"
+    "_chem_comp_atom.model_Cartn_z\n_chem_comp_atom.pdbx_model_Cartn_x_ideal\n"
+    "_chem_comp_atom.pdbx_model_Cartn_y_ideal\n_chem_comp_atom.pdbx_model_Cartn_z_ideal\n";
+
+TEST(ChemicalComponent, TheFirstSetWithAllAtomsIsRead) {
+  const Molecule whole = read_text_as(
+      "a.cif", kComponent + "3UQ C1 C 1.0 2.0 3.0 0.0 0.0 0.0\n3UQ CL1 CL 3 2 3 1.2 0 0\n");
+  ASSERT_EQ(whole.atoms.size(), 2U);
+  EXPECT_EQ(whole.atoms[0].position, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(whole.atoms[1].element, "Cl");
+  EXPECT_EQ(whole.atoms[1].residue_name, "3UQ");
+  EXPECT_THAT(whole.warnings.at(0), HasSubstr("example_xyz"));
+  const Molecule part = read_text_as(
+      "a.cif", kComponent + "3UQ C1 C 1.0 2.0 3.0 0.0 0.0 0.0\n3UQ O1 O ? ? ? 1.2 0.0 0.0\n");
+  EXPECT_EQ(part.atoms.at(1).position, (Vec3d{1.2, 0, 0}));
+  EXPECT_THAT(part.warnings.at(0), HasSubstr("ideal_xyz"));
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", kComponent + "3UQ C1 C ? ? ? ? ? ?\n"),
+              HasSubstr("chemical component"));
+}
+
 }  // namespace
 }  // namespace vdwmesh::testing

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "structure/temp_file.hpp"
 #include "structure/unexpanded.hpp"
 
@@ -36,6 +39,66 @@ TEST(Pqr, ByColumnsWhereNumbersTouch) {
   EXPECT_EQ(molecule.atoms.at(0).position, (Vec3d{-100.024, -100.103, -100.101}));
   EXPECT_EQ(molecule.atoms.at(0).radius, 1.824);
   EXPECT_EQ(molecule.atoms.at(0).chain, "A");
+}
+
+// "name residue chain number x radius" of the one atom, or "refused" and the message.
+std::string what_is_read(const std::string& line) {
+  const TemporaryDirectory dir;
+  ReadOptions options;
+  options.waters = Inclusion::keep;
+  try {
+    const Molecule molecule = read_structure(dir.write("a.pqr", line + "\n"), options);
+    const Atom& a = molecule.atoms.at(0);
+    const std::string chain(a.chain.empty() ? "-" : a.chain);
+    return fmt::format("{} {} {} {} {} {}", a.name.view(), a.residue_name.view(), chain,
+                       a.residue_number.view(), a.position.x, a.radius);
+  } catch (const FileFormatError& error) {
+    return fmt::format("refused {}", error.what());
+  }
+}
+
+TEST(Pqr, DialectsOfProgramsAreRead) {
+  std::ifstream table(VDWMESH_PQR_DIALECTS);
+  std::size_t rows = 0;
+  for (std::string row; std::getline(table, row);) {
+    if (row.starts_with('#')) continue;
+    std::istringstream fields(row);
+    std::string program, line, expected;
+    std::getline(std::getline(std::getline(fields, program, '|'), line, '|'), expected);
+    SCOPED_TRACE(program);
+    if (expected.starts_with("refused "))
+      EXPECT_THAT(what_is_read(line), HasSubstr(expected.substr(8)));
+    else
+      EXPECT_EQ(what_is_read(line), expected);
+    ++rows;
+  }
+  EXPECT_GT(rows, 30U);
+}
+
+TEST(Pqr, ColumnsThatLookSwappedAreRefused) {
+  const std::string swapped =
+      "ATOM 1 N ALA 1 0 0 0 1.8240 0.1414\nATOM 2 H1 ALA 1 1 0 0 0.6 0.1997\n";
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.pqr", swapped), HasSubstr("look swapped"));
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.pqr", "ATOM 1 N ALA 1 0 0 0 1.8240 -0.4157\n"),
+              HasSubstr("a.pqr:1: the radius is -0.4157"));
+  // A single atom of carbon with such numbers is odd, but beside one in order it is no proof.
+  EXPECT_EQ(read_text_as("a.pqr", "ATOM 1 N ALA 1 0 0 0 1.2 0.5\nATOM 2 C ALA 1 1 0 0 0.1 1.9\n")
+                .atoms.size(),
+            2U);
+}
+
+TEST(Pqr, WhatIsPassedOverIsTold) {
+  const Molecule quiet = read_text_as("a.pqr",
+                                      "REMARK 1\n# a comment\n\nCRYST1 1 1 1\nMODEL 1\n"
+                                      "ATOM 1 N ALA 1 0 0 0 0 1.5\nTER\nENDMDL\nCONECT 1 2\nEND\n");
+  EXPECT_TRUE(quiet.warnings.empty());
+  const Molecule told =
+      read_text_as("a.pqr",
+                   "ATOM 1 N ALA 1 0.0 0.0 0.0 0 1.5 2.5\nATOMS 2 N ALA 1 0 0 0 0 1.5\n"
+                   "N 0 0 0 1.5\n");
+  ASSERT_EQ(told.warnings.size(), 2U);
+  EXPECT_THAT(told.warnings[0], HasSubstr("2, of which line 2 is the first: 'ATOMS 2 N"));
+  EXPECT_THAT(told.warnings[1], HasSubstr("of 1 atoms, of which line 1 is the first: '2.5'"));
 }
 
 TEST(Pqr, ZeroRadiiAreCountedNotUsed) {
@@ -79,6 +142,19 @@ TEST(Xyzr, NumbersAndComments) {
   EXPECT_EQ(molecule.atoms[1].radius, 2.0);
   EXPECT_EQ(molecule.atoms[1].serial, 2);
   EXPECT_EQ(molecule.format, "xyzr");
+}
+
+TEST(Xyzr, NumbersTooCloseToZeroAreZero) {
+  const Molecule molecule =
+      read_text_as("a.xyzr", "1e-400 -1E-400 1e-99999999999999999999 1\n0." +
+                                 std::string(400, '0') + "1 4e-320 100e-330 2\n");
+  EXPECT_EQ(molecule.atoms.at(0).position, (Vec3d{0, 0, 0}));
+  EXPECT_EQ(molecule.atoms.at(1).position.x, 0);
+  EXPECT_EQ(molecule.atoms.at(1).position.y, 4e-320);
+  EXPECT_EQ(molecule.atoms.at(1).position.z, 0);
+  for (const char* large : {"1e400", "-1e400", "1e99999999999999999999"})
+    EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr", std::string(large) + " 0 0 1\n"),
+                HasSubstr("x is '"));
 }
 
 TEST(Xyzr, BadLinesAreRefused) {
