@@ -56,6 +56,13 @@ Array radii(const Molecule& molecule) {
   return array_of(std::move(list));
 }
 
+Array residues(const Molecule& molecule) {
+  std::vector<std::uint32_t> list;
+  list.reserve(molecule.atoms.size());
+  for (const Atom& atom : molecule.atoms) list.push_back(atom.residue);
+  return array_of(std::move(list));
+}
+
 py::dict columns_of(const Molecule& molecule) {
   std::map<std::string, double> assumed;
   for (const AssumedRadius& a : molecule.radii_assumed) {
@@ -70,7 +77,8 @@ py::dict columns_of(const Molecule& molecule) {
       "chains"_a = column(molecule, &Atom::chain), "left_out"_a = molecule.skipped,
       "assumed_radii"_a = assumed, "notes"_a = molecule.notes, "warnings"_a = molecule.warnings,
       "path"_a = molecule.path, "format"_a = molecule.format, "model"_a = molecule.model,
-      "assembly"_a = molecule.assembly);
+      "assembly"_a = molecule.assembly, "segments"_a = column(molecule, &Atom::segment),
+      "residues"_a = residues(molecule));
 }
 
 // Reads by read(options), which stops at Ctrl-C.
@@ -104,14 +112,6 @@ std::optional<double> radius(const RadiusTable& table, const std::string& residu
   return entry ? std::optional(entry->radius) : std::nullopt;
 }
 
-RadiusTable table_of(const std::string& set) {
-  const std::vector<std::string>& sets = RadiusTable::names();
-  if (std::ranges::count(sets, set) > 0) return RadiusTable::named(set);
-  if (std::filesystem::exists(set)) return RadiusTable::from_file(set);
-  throw InvalidInput(fmt::format("set: {} is neither a radius set ({}) nor a file that is there",
-                                 set, fmt::join(sets, ", ")));
-}
-
 }  // namespace
 
 ReadOptions read_options_of(const py::kwargs& given) {
@@ -132,7 +132,9 @@ void bind_structures(py::module_& module) {
   module.def("read_file", &read_file);
   module.def("read_bytes", &read_bytes);
   module.def("read_sample", &read_builtin);
-  py::class_<RadiusTable>(module, "RadiusTable").def(py::init(&table_of)).def("find", &radius);
+  py::class_<RadiusTable>(module, "RadiusTable")
+      .def(py::init(&RadiusTable::from_list))
+      .def("find", &radius);
 }
 
 }  // namespace vdwmesh::python
