@@ -18,21 +18,23 @@ namespace {
 constexpr const char* kHeader =
     "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,exact_area,"
     "mesh_area,exact_volume,measured,polarity,polar_area,apolar_area,unclassified_area,"
-    "relative_area,relative_main_chain,relative_side_chain,relative_polar,relative_apolar\n";
+    "relative_area,relative_main_chain,relative_side_chain,relative_polar,relative_apolar,"
+    "segment\n";
 
-// What the atoms of a row have in common: model, chain, residue number and residue name. The last
-// two are empty in rows of chains.
-using Key = std::tuple<std::int32_t, std::string, std::string, std::string>;
+// What tells rows apart. Residues of one number and name are told by their place in the file. A
+// chain without an id is told by its segment.
+using Key = std::tuple<std::int32_t, std::string_view, std::uint32_t, std::string_view>;
 
 Key key_of(const Atom& atom, AtomGroup group) {
-  if (group == AtomGroup::chain) return {atom.model, atom.chain, "", ""};
-  return {atom.model, atom.chain, atom.residue_number, atom.residue_name};
+  if (group == AtomGroup::residue) return {atom.model, atom.chain, atom.residue, {}};
+  return {atom.model, atom.chain, 0, atom.chain.empty() ? atom.segment.view() : std::string_view()};
 }
 
 // Sums are over the measured atoms.
 struct Row {
-  Key key;
-  const Atom* atom = nullptr;  // of AtomGroup::atom
+  const Atom* first;  // of its atoms
+  AtomGroup group;
+  bool one_segment = true;
   std::uint64_t atoms = 0, measured = 0;
   WideSum exact_area, mesh_area, exact_volume;
   ResidueSum parts;  // of the exact area
@@ -45,12 +47,10 @@ std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
   std::vector<Row> rows;
   std::map<Key, std::size_t> known;
   for (const Atom& atom : molecule.atoms) {
-    const Key key = key_of(atom, group);
     std::size_t row = rows.size();
-    if (group != AtomGroup::atom) row = known.try_emplace(key, row).first->second;
-    if (row == rows.size()) {
-      rows.push_back({key, group == AtomGroup::atom ? &atom : nullptr, 0, 0, {}, {}, {}, {}});
-    }
+    if (group != AtomGroup::atom) row = known.try_emplace(key_of(atom, group), row).first->second;
+    if (row == rows.size()) rows.push_back({&atom, group, true, 0, 0, {}, {}, {}, {}});
+    rows[row].one_segment &= atom.segment == rows[row].first->segment;
     row_of_atom.push_back(row);
   }
   return rows;
@@ -85,8 +85,9 @@ std::string polarity_fields(const Row& row, const PerAtomTable& table) {
 std::string relative_fields(const Row& row, const PerAtomTable& table) {
   const bool comparable = table.group == AtomGroup::residue && table.probe == kReferenceProbe &&
                           row.measured == row.atoms;
-  const auto reference =
-      comparable ? reference_areas(table.molecule.radius_set, std::get<3>(row.key)) : std::nullopt;
+  const auto reference = comparable
+                             ? reference_areas(table.molecule.radius_set, row.first->residue_name)
+                             : std::nullopt;
   if (!reference) return ",,,,,";
   const ResidueAreas relative = relative_areas(row.parts.areas(), *reference);
   return fmt::format(",{},{},{},{},{}", csv_number(relative.total), csv_number(relative.main_chain),
@@ -96,15 +97,22 @@ std::string relative_fields(const Row& row, const PerAtomTable& table) {
 
 // Appends what and where the atoms of a row are. Fields in which they differ are empty.
 void print_place(std::string& csv, const Row& row, double probe) {
-  const auto& [model, chain, residue_number, residue_name] = row.key;
-  csv += fmt::format("{},{},{},{},", model, csv_field(chain), csv_field(residue_number),
-                     csv_field(residue_name));
-  if (row.atom) {
-    csv += fmt::format("{},{},{},{},{}", csv_field(row.atom->name), row.atom->element.view(),
-                       row.atom->serial, row.atoms, row.atom->radius + probe);
+  const Atom& atom = *row.first;
+  const bool of_chain = row.group == AtomGroup::chain;
+  csv += fmt::format("{},{},{},{},", atom.model, csv_field(atom.chain),
+                     of_chain ? "" : csv_field(atom.residue_number),
+                     of_chain ? "" : csv_field(atom.residue_name));
+  if (row.group == AtomGroup::atom) {
+    csv += fmt::format("{},{},{},{},{}", csv_field(atom.name), atom.element.view(), atom.serial,
+                       row.atoms, atom.radius + probe);
   } else {
     csv += fmt::format(",,,{},", row.atoms);
   }
+}
+
+// The segment behind a comma; empty where a chain has several.
+std::string segment_field(const Row& row) {
+  return "," + (row.one_segment ? csv_field(row.first->segment) : std::string());
 }
 
 void print(std::string& csv, const Row& row, const PerAtomTable& table) {
@@ -112,8 +120,8 @@ void print(std::string& csv, const Row& row, const PerAtomTable& table) {
   csv += fmt::format(",{},{},{},{},{}", sum_field(row, row.exact_area),
                      table.mesh_area.empty() ? "" : sum_field(row, row.mesh_area),
                      sum_field(row, row.exact_volume), row.measured,
-                     row.atom ? polarity_field(row.atom->polarity) : "");
-  csv += polarity_fields(row, table) + relative_fields(row, table) + '\n';
+                     row.group == AtomGroup::atom ? polarity_field(row.first->polarity) : "");
+  csv += polarity_fields(row, table) + relative_fields(row, table) + segment_field(row) + '\n';
 }
 
 }  // namespace
@@ -153,12 +161,13 @@ std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<Exclu
   }
   std::string csv =
       "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,contact_area,"
-      "saddle_area,concave_area,excluded_area,excluded_volume\n";
+      "saddle_area,concave_area,excluded_area,excluded_volume,segment\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     print_place(csv, rows[r], 0);
     const auto& [contact, saddle, concave, volume] = sums[r];
-    csv += fmt::format(",{},{},{},{},{}\n", contact.value(), saddle.value(), concave.value(),
+    csv += fmt::format(",{},{},{},{},{}", contact.value(), saddle.value(), concave.value(),
                        contact.value() + saddle.value() + concave.value(), volume.value());
+    csv += segment_field(rows[r]) + '\n';
   }
   return csv;
 }

@@ -146,6 +146,8 @@ class Reading {
     if (option.is_flag() && texts[0] != "true") throw InvalidInput(name + ": takes no value");
     if (option.reader.times == Times::once) check_once(option, texts.size());
     for (const std::string& text : texts) {
+      // Most likely a variable of a script that was not set.
+      if (text.empty()) refuse("{}: its value is empty; give one, or leave the option out", name);
       if (option.reader.use == Use::reads) files.add_input(name, text);
       if (option.reader.use == Use::writes) files.add_output(name, text);
       option.reader.read(name, text);

@@ -115,10 +115,10 @@ std::vector<Option> input_options(Draft& d) {
       {"--format", kStructures, one(r.format, named<StructureFormat>()),
        "of INPUT, where its name does not tell"},
       {"--radii", kStructures,
-       one(r.radii, text("SET|FILE", {"bondi", "alvarez", "protor", "naccess", "oons"})),
+       one(r.radii, text("SET|FILE,...", {"bondi", "alvarez", "protor", "naccess", "oons"})),
        "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
-       "ELEMENT RADIUS or RESIDUE ATOM RADIUS",
-       by_default("bondi")},
+       "ELEMENT RADIUS or RESIDUE ATOM RADIUS; bondi,FILE: a set with lines of one's own",
+       otherwise("bondi; those of PQR and XYZR")},
       {"--probe", kStructures & kExcluded, one(d.probe, probe),
        "radius of a probe of solvent, 1.4 for water: added to every radius, or with --surface "
        "excluded rolled over the atoms",
@@ -133,8 +133,9 @@ std::vector<Option> input_options(Draft& d) {
        "only these atoms, such as A (a chain), A/10-40 (residues), A/10/CA or (HEM): "
        "a selection of gemmi, after the water rule",
        otherwise("everything")},
-      {"--altloc", kStructures, one(r.altloc, text("LABEL", {"highest"})),
-       "alternate locations: highest, or a label", by_default("highest")},
+      {"--altloc", kStructures, one(r.altloc, text("LABEL", {"highest", "all"})),
+       "alternate locations: highest (by occupancy), a label where there is one, or all at once",
+       by_default("highest")},
       {"--waters", kStructures, flag(r.waters, Inclusion::keep), "keep waters"},
       {"--no-hydrogens", kStructures, flag(r.hydrogens, Inclusion::drop), "drop hydrogens"},
       {"--no-hetatm", kStructures, flag(d.hetero_atoms, drop), "drop HETATM records", no_default(),

@@ -164,19 +164,25 @@ void check_model(const std::string& model) {
             "--model {}: needs a model number of the file, first or all", model);
 }
 
+// Papers write the names of sets with capitals. Files among the parts are inputs.
+void settle_radii(Draft& d) {
+  if (d.read.radii.empty()) return;
+  std::vector<std::string> parts = RadiusTable::parts_of(d.read.radii);
+  for (std::string& part : parts) {
+    const auto is_set = [](const std::string& name) {
+      return std::ranges::count(RadiusTable::names(), name) > 0;
+    };
+    std::error_code error;
+    if (is_set(lower_case(part)) && !std::filesystem::exists(part, error)) part = lower_case(part);
+    if (!is_set(part)) d.files.add_input("--radii", part);
+  }
+  d.read.radii = fmt::format("{}", fmt::join(parts, ","));
+}
+
 // The thesis took ATOM records alone.
 void settle_input(Draft& d) {
   check_model(d.read.model);
-  std::string& radii = d.read.radii;
-  const auto is_set = [](const std::string& name) {
-    return std::ranges::count(RadiusTable::names(), name) > 0;
-  };
-  // Papers write the names of sets with capitals.
-  std::error_code error;
-  if (!is_set(radii) && is_set(lower_case(radii)) && !std::filesystem::exists(radii, error)) {
-    radii = lower_case(radii);
-  }
-  if (!is_set(radii)) d.files.add_input("--radii", radii);
+  settle_radii(d);
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
   refuse_if(d.verb != kBatch && std::ranges::count(d.paths, "-") > 0 &&

@@ -64,6 +64,13 @@ Array radii(const Molecule& molecule) {
   return array_of(std::move(list));
 }
 
+Array residues(const Molecule& molecule) {
+  std::vector<std::uint32_t> list;
+  list.reserve(molecule.atoms.size());
+  for (const Atom& atom : molecule.atoms) list.push_back(atom.residue);
+  return array_of(std::move(list));
+}
+
 py::dict columns_of(const Molecule& molecule) {
   py::dict assumed;
   for (const AssumedRadius& a : molecule.radii_assumed) {
@@ -80,7 +87,9 @@ py::dict columns_of(const Molecule& molecule) {
                   "assumed_radii"_a = assumed, "notes"_a = messages_of(molecule.notes),
                   "warnings"_a = messages_of(molecule.warnings), "path"_a = text_of(molecule.path),
                   "format"_a = molecule.format, "model"_a = text_of(molecule.model),
-                  "assembly"_a = text_of(molecule.assembly));
+                  "assembly"_a = text_of(molecule.assembly,
+                  "segments"_a = column(molecule, &Atom::segment),
+                  "residues"_a = residues(molecule));
 }
 
 // Reads by read(options), which stops at Ctrl-C.
@@ -112,14 +121,6 @@ std::optional<double> radius(const RadiusTable& table, const std::string& residu
                              const std::string& atom, const std::string& element) {
   const auto entry = table.find(residue, atom, element_of_symbol(element));
   return entry ? std::optional(entry->radius) : std::nullopt;
-}
-
-RadiusTable table_of(const std::string& set) {
-  const std::vector<std::string>& sets = RadiusTable::names();
-  if (std::ranges::count(sets, lower_case(set)) > 0) return RadiusTable::named(lower_case(set));
-  if (std::filesystem::exists(set)) return RadiusTable::from_file(set);
-  throw InvalidInput(fmt::format("set: {} is neither a radius set ({}) nor a file that is there",
-                                 set, fmt::join(sets, ", ")));
 }
 
 // The element that the names tell; "X" if they do not. Files of coordinates alone name atoms by
@@ -255,7 +256,9 @@ void bind_structures(py::module_& module) {
   module.def("read_sample", &read_builtin);
   module.def("told_element", &told_element);
   module.def("highest_locations", &highest_locations);
-  py::class_<RadiusTable>(module, "RadiusTable").def(py::init(&table_of)).def("find", &radius);
+  py::class_<RadiusTable>(module, "RadiusTable")
+      .def(py::init(&RadiusTable::from_list))
+      .def("find", &radius);
 }
 
 }  // namespace vdwmesh::python

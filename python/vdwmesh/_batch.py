@@ -71,7 +71,7 @@ def batch(
     format: str | None = None,
     model: str | int = "first",
     assembly: str | int | None = None,
-    radii: str | os.PathLike[str] = "bondi",
+    radii: str | os.PathLike[str] | None = None,
     select: str | None = None,
     altloc: str = "highest",
     waters: bool = False,

@@ -13,7 +13,7 @@ from vdwmesh._arrays import file_name, number, radius_set, refuse_masked, view
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from vdwmesh._types import ArrayLike, Floats, Strings
+    from vdwmesh._types import ArrayLike, Floats, NDArray, Strings
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,11 @@ class Molecule:
         What the reader chose or guessed, and what may be wrong with the file.
     path, format, model, assembly : str
         Where the atoms come from.
+    segments : ndarray of str, shape (N,)
+        Ids of segments, as columns 73-76 of PDB files have them.
+    residues : ndarray of uint32, shape (N,)
+        Tells residues of the file apart, also those of one chain, number and name. Copies in an
+        assembly are told by their chains.
     """
 
     coords: Floats
@@ -57,6 +62,8 @@ class Molecule:
     format: str
     model: str
     assembly: str
+    segments: Strings
+    residues: NDArray[np.uint32]
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -76,7 +83,7 @@ class Molecule:
         return f"<vdwmesh.Molecule of {len(self)} atoms from {self.path}>"
 
 
-_COLUMNS = ("coords", "radii", "elements", "names", "resnames", "resids", "chains")
+_COLUMNS = ("coords", "radii", "elements", "names", "resnames", "resids", "chains", "segments", "residues")
 
 
 def _molecule(columns: dict[str, Any]) -> Molecule:
@@ -93,7 +100,7 @@ def read(
     format: str | None = None,
     model: str | int = "first",
     assembly: str | int | None = None,
-    radii: str | os.PathLike[str] = "bondi",
+    radii: str | os.PathLike[str] | None = None,
     select: str | None = None,
     altloc: str = "highest",
     waters: bool = False,
@@ -112,14 +119,16 @@ def read(
         "first", "all" or the number of a model.
     assembly : str, optional
         Name of a biological assembly of the file; by default the asymmetric unit.
-    radii : str or path
-        "bondi" or "alvarez", by element; "protor", "naccess" or "oons", of united atoms, which drop
-        the hydrogens; or a file with lines "ELEMENT RADIUS" or "RESIDUE ATOM RADIUS". Files of PQR
-        and XYZR bring their own.
+    radii : str or path, optional
+        "bondi" (the default) or "alvarez", by element; "protor", "naccess" or "oons", of united
+        atoms, which drop the hydrogens; or a file with lines "ELEMENT RADIUS" or "RESIDUE ATOM
+        RADIUS". "bondi,mine.txt" is a set with lines of a file, of which the last one holds. Files
+        of PQR and XYZR bring their own, and take no others.
     select : str, optional
-        A selection in gemmi's syntax, as "A/10-40/CA".
+        A selection in gemmi's syntax, as "A/10-40/CA", "A/-3--1" or "A;segment=P1".
     altloc : str
-        Which alternate locations are kept: "highest" (by occupancy), "all" or one label.
+        Which alternate locations are kept: "highest" (by occupancy), "all", or one label where
+        there is one, and "highest" elsewhere.
     waters, hydrogens, hetatm : bool
         Whether these atoms are kept.
 
@@ -153,7 +162,7 @@ def read_options(
     format: str | None,
     model: str | int,
     assembly: str | int | None,
-    radii: str | os.PathLike[str],
+    radii: str | os.PathLike[str] | None,
     select: str | None,
     altloc: str,
     *,
@@ -166,8 +175,8 @@ def read_options(
         "format": format or "",
         "model": raw(str(model)),
         "assembly": raw("asymmetric" if assembly is None else str(assembly)),
-        "radii": radius_set("radii", radii),
-        "select": raw(select or ""),
+        "radii": b"" if radii is None else radius_set("radii", _given("radii", radii)),
+        "select": raw(_given("select", select)),
         "altloc": raw(altloc),
         "waters": waters,
         "hydrogens": hydrogens,
@@ -178,6 +187,13 @@ def read_options(
 def raw(text: str) -> bytes:
     """A text as the C++ side takes it; surrogates, as of os.listdir, are the bytes that they stand for."""
     return text.encode("utf-8", "surrogateescape")
+
+
+def _given(name: str, value: Any) -> Any:
+    """An argument that may be left out; an empty text is a slip."""
+    if value == "":
+        raise InvalidInput(f"{name}: is empty; give a value, or None")
+    return "" if value is None else value
 
 
 def _content(source: Any) -> bytes:
@@ -222,7 +238,7 @@ def radii_of(
     set : str or path
         "bondi" (J. Phys. Chem. 68 (1964) 441, completed from Alvarez), "alvarez" (Dalton Trans. 42
         (2013) 8617); "protor", "naccess" or "oons", of united atoms; or a file with lines "ELEMENT
-        RADIUS" or "RESIDUE ATOM RADIUS".
+        RADIUS" or "RESIDUE ATOM RADIUS"; or "bondi,mine.txt", a set with lines of a file.
     resnames, names : sequence of str, length N, optional
         Names of residues and atoms, for united atoms and for files with lines by residue and atom.
     unknown : float, optional

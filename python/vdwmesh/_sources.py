@@ -119,7 +119,7 @@ def radii_for(radii: Any, atoms: Atoms) -> NDArray[Any]:
             if not element or element == VIRTUAL:
                 raise InvalidInput(atoms.untold(i))
         radii = radii_of(
-            atoms.elements, set=radii or "bondi", resnames=atoms.resnames, names=atoms.names
+            atoms.elements, set="bondi" if radii is None else radii, resnames=atoms.resnames, names=atoms.names
         )
     return floats("radii", radii, "(N,)")
 
@@ -142,7 +142,7 @@ def _from_columns(source: Any, coords: str, elements: str, resnames: str, names:
 def _from_vdwmesh(source: Any) -> Atoms:
     if not isinstance(source, Molecule):
         raise InvalidInput(f"coords: {type(source).__name__} has no atoms")
-    found = _from_columns(source, "coords", "elements", "resnames", "names", "chains", "resids", "resnames")
+    found = _from_columns(source, "coords", "elements", "resnames", "names", "chains", "residues")
     return replace(found, radii=source.radii)
 
 
@@ -249,10 +249,15 @@ def _symbol_of_mdtraj(element: Any) -> str:
 
 
 def _from_biotite(source: Any) -> Atoms:
-    """An AtomArray, or an AtomArrayStack of frames. Lengths are in Å."""
-    return _from_columns(
-        source, "coord", "element", "res_name", "atom_name", "chain_id", "res_id", "ins_code"
-    )
+    """An AtomArray, or an AtomArrayStack of frames. Lengths are in Å.
+
+    A residue is a run of atoms there: its numbers may come again.
+    """
+    place = ("chain_id", "res_id", "ins_code", "res_name")
+    found = _from_columns(source, "coord", "element", "res_name", "atom_name", *place)
+    columns = [np.asarray(getattr(source, name)) for name in place]
+    begins = np.any([column[1:] != column[:-1] for column in columns], axis=0)
+    return replace(found, residues=np.concatenate(([0], np.cumsum(begins))).tolist())
 
 
 def _from_gemmi(source: Any) -> Atoms:
@@ -277,7 +282,7 @@ def _from_gemmi(source: Any) -> Atoms:
         elements=[atom.element.name if atom.element.atomic_number else "" for atom, _, _ in found],
         resnames=[residue.name for _, residue, _ in found],
         names=[atom.name for atom, _, _ in found],
-        residues=[(chain, residue.segment, str(residue.seqid), residue.name) for _, residue, chain in found],
+        residues=[id(residue) for _, residue, _ in found],  # `found` keeps each one alive
     )
 
 

@@ -3,7 +3,8 @@
 // A "label" is the character of an alternate location, '\0' for none.
 //
 // The atoms of a position stand together, so positions are handled one after the other:
-// 1. For "highest", labels are ranked by the mean occupancy of their atoms at the position.
+// 1. For "highest", labels are ranked by the mean occupancy of their atoms at the position. A label
+//    that the user asks for holds at the positions that have it, and "highest" at the others.
 // 2. PositionChoice marks for removal every atom that has another label than the chosen one, or
 //    that is in a residue that was not chosen.
 // 3. For "highest", an atom loses its mark if the residue would otherwise lack its name.
@@ -206,18 +207,20 @@ bool has_labels(Range place) {
                      [](const Site& site) { return site.atom->altloc != '\0'; });
 }
 
-// Chooses at one position. `label` is "highest" or one character.
-void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
+// Chooses at one position. `label` is "highest" or one character. Where no atom has that label, it
+// counts as "highest"; returns how many atoms with other labels stay then.
+std::uint64_t choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
   PositionChoice choice(place);
-  if (label == "highest") {
-    const std::vector<char> labels = labels_by_mean(place);
-    choice.choose(labels.front());
-    choice.complete(labels);
-  } else {
-    choice.choose(label[0]);
-  }
+  const std::vector<char> labels = labels_by_mean(place);
+  const bool is_there = label != "highest" && std::count(labels.begin(), labels.end(), label[0]);
+  choice.choose(is_there ? label[0] : labels.front());
+  if (!is_there) choice.complete(labels);
   choice.drop_unlabelled_copies();
   choice.carry_out(skipped);
+  if (is_there || label == "highest") return 0;
+  return static_cast<std::uint64_t>(std::count_if(place.first, place.second, [](const Site& site) {
+    return site.atom && site.atom->altloc != '\0';
+  }));
 }
 
 // Throws if no atom has the label that the user asked for; the message lists the labels there are.
@@ -238,16 +241,21 @@ void check_label(const Sites& sites, const std::string& label, const std::string
 
 }  // namespace
 
-void choose_alternate_locations(Sites& sites, const std::string& label, const std::string& path,
-                                SkippedAtoms& skipped) {
+void choose_alternate_locations(Sites& sites, const std::string& label, Molecule& molecule) {
   if (label == "all") return;
-  check_label(sites, label, path);
+  check_label(sites, label, molecule.path);
+  std::uint64_t others = 0;  // atoms that stay without the label
   for (auto first = sites.begin(); first != sites.end();) {
     const Range place{first, end_of_position(first, sites.end())};
     first = place.second;
-    if (has_labels(place)) choose_at(place, label, skipped);
+    if (has_labels(place)) others += choose_at(place, label, molecule.skipped);
   }
   std::erase_if(sites, [](const Site& site) { return site.atom == nullptr; });
+  if (others == 0) return;
+  molecule.notes.push_back(
+      fmt::format("{} atoms have no alternate location {}: they have the one of highest occupancy "
+                  "that there is",
+                  others, label));
 }
 
 }  // namespace vdwmesh

@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <gemmi/model.hpp>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
 
 #include "core/errors.hpp"
@@ -27,26 +29,40 @@ std::string name_of(const Site& site, const ParsedFile& file) {
                      has_rows ? " of _atom_site" : "");
 }
 
+// How to call the radii with one more file. A file alone replaces the sets, and a set may complete
+// it.
+std::string completed(const std::string& radii) {
+  const std::string first = RadiusTable::parts_of(radii).front();
+  const std::vector<std::string>& sets = RadiusTable::names();
+  const bool has_set = std::find(sets.begin(), sets.end(), first) != sets.end();
+  return has_set ? radii + ",FILE" : "bondi," + radii;
+}
+
 [[noreturn]] void refuse_radius(const Site& site, const ParsedFile& file,
                                 const std::string& radius_set) {
-  const std::string name = name_of(site, file);
-  if (file.coarse_grained && site.atom->element == gemmi::El::X)
+  const std::string name = name_of(site, file), radii = completed(radius_set),
+                    symbol = gemmi::element_name(site.atom->element),
+                    line = fmt::format("'{} {} RADIUS'", site.place->residue->name,
+                                       site.atom->name.view());
+  if (file.coarse_grained && symbol == "X")
     throw InvalidInput(
         fmt::format("{}: {} is a bead of a coarse-grained (Martini) model, which stands for "
-                    "several atoms and "
-                    "has no element; give --radii FILE with a line 'X RADIUS' for all beads, or "
-                    "'{} {} RADIUS'",
-                    file.path, name, site.place->residue->name, site.atom->name.view()));
-  if (site.atom->element == gemmi::El::X)
-    throw InvalidInput(fmt::format(
-        "{}: the element of {} cannot be told; leave such atoms out with --select "
-        "'[!X]', or give --radii {},FILE with a line '{} {} RADIUS'",
-        file.path, name, radius_set, site.place->residue->name, site.atom->name.view()));
+                    "several atoms and has no element; give --radii FILE with a line 'X RADIUS' "
+                    "for all beads, or {}",
+                    file.path, name, line));
+  if (symbol == "X")
+    throw InvalidInput(
+        fmt::format("{}: the element of {} cannot be told; give --radii {} with a line {} in the "
+                    "file, or leave such atoms out by --select '[!X]'",
+                    file.path, name, radii, line));
   throw InvalidInput(
-      fmt::format("{}: the radius set {} has no radius for element {} of {}; give "
-                  "--radii {},FILE with a line '{} RADIUS'",
-                  file.path, radius_set, gemmi::element_name(site.atom->element), name, radius_set,
-                  gemmi::element_name(site.atom->element)));
+      fmt::format("{}: the radius set {} has no radius for element {} of {}; give --radii {}{}",
+                  file.path, radius_set, symbol, name, radii,
+                  radii.ends_with(",FILE")
+                      ? fmt::format(" with a line '{} RADIUS' in the file", symbol)
+                      : fmt::format(", which completes the file by a set, or add a line '{} "
+                                    "RADIUS' to it",
+                                    symbol)));
 }
 
 // What was assumed, by element; of united atoms also by residue and atom.
@@ -56,6 +72,7 @@ class Account {
 
   void add(const Site& site, const RadiusTable::Entry& entry) {
     if (entry.renamed) ++renamed_[site.place->residue->name];
+    if (entry.line != RadiusTable::kNoLine) lines_.insert(entry.line);
     if (!entry.assumed) return;
     const std::string residue = by_atom_ ? site.place->residue->name : "",
                       atom(by_atom_ ? site.atom->name.view() : std::string_view()),
@@ -64,8 +81,9 @@ class Account {
     ++assumed_.try_emplace({residue, atom, element}, first).first->second.count;
   }
 
-  void write_to(Molecule& molecule) const {
+  void write_to(Molecule& molecule, const std::vector<std::string>& lines) const {
     for (const auto& [key, radius] : assumed_) molecule.radii_assumed.push_back(radius);
+    note_unused(molecule, lines);
     if (renamed_.empty()) return;
     std::string names;
     for (const auto& [residue, count] : renamed_)
@@ -77,7 +95,24 @@ class Account {
   }
 
  private:
+  // A misspelt name would go unnoticed: its line changes nothing.
+  void note_unused(Molecule& molecule, const std::vector<std::string>& lines) const {
+    constexpr std::size_t kMostNamed = 8;
+    const std::size_t unused = lines.size() - lines_.size();
+    if (unused == 0) return;
+    std::string names;
+    std::size_t named = 0;
+    for (int i = 0; named < std::min(unused, kMostNamed); ++i) {
+      if (lines_.contains(i)) continue;
+      names += (named++ == 0 ? "" : ", ") + lines[static_cast<std::size_t>(i)];
+    }
+    if (unused > named) names += fmt::format(" and {} more", unused - named);
+    molecule.notes.push_back(
+        fmt::format("lines of radius files that no atom in use takes its radius from: {}", names));
+  }
+
   bool by_atom_;
+  std::set<int> lines_;  // that atoms take their radii from
   std::map<std::tuple<std::string, std::string, std::string>, AssumedRadius> assumed_;
   std::map<std::string, std::uint64_t> renamed_;  // residue name -> atoms
 };
@@ -115,7 +150,7 @@ void assign_radii(Sites& sites, const ParsedFile& file, const RadiusTable& table
     site.atom->polarity = entry->polarity;
     account.add(site, *entry);
   }
-  account.write_to(molecule);
+  account.write_to(molecule, table.lines());
   molecule.has_polarity = table.has_united_atoms();
 }
 

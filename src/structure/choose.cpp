@@ -89,7 +89,10 @@ std::int32_t model_number(const gemmi::Model& model) {
 class Choice {
  public:
   Choice(ParsedFile& file, const ReadOptions& options)
-      : file_(file), options_(options), places_(numbered_residues(*file.structure)) {
+      : file_(file),
+        options_(options),
+        places_(numbered_residues(*file.structure)),
+        residue_numbers_(residue_numbers(file, places_)) {
     molecule_.path = file.path;
     molecule_.format = file.format;
     molecule_.assembly = options.assembly;
@@ -100,7 +103,7 @@ class Choice {
     choose_models();
     drop_by_kind(table);
     if (file_.has_labels || options_.altloc != "highest")
-      choose_alternate_locations(sites_, options_.altloc, file_.path, molecule_.skipped);
+      choose_alternate_locations(sites_, options_.altloc, molecule_);
     select();
     refuse_if_empty();
     take_radii(table);
@@ -270,12 +273,12 @@ class Choice {
     if (options_.hydrogens == Inclusion::drop || dropped == molecule_.skipped.end()) return;
     molecule_.notes.push_back(
         fmt::format("{} hydrogens were left out: the radii of the set {} include them",
-                    dropped->second, options_.radii));
+                    dropped->second, radii_or_default(options_)));
   }
 
   // Gives the sites the radii of the file, or those of the table.
   void take_radii(const RadiusTable& table) {
-    molecule_.radius_set = file_.own_radii ? "file" : options_.radii;
+    molecule_.radius_set = file_.own_radii ? "file" : radii_or_default(options_);
     if (!file_.own_radii) assign_radii(sites_, file_, table, molecule_);
   }
 
@@ -319,16 +322,18 @@ class Choice {
     const AtomRecord& from = *site.atom;
     if (site.place != place_) enter(*site.place);
     has_guesses_ |= from.element_guessed;
-    molecule_.atoms.emplace_back(from.position, from.radius,
-                                 symbols_[static_cast<std::size_t>(from.element)], from.name,
-                                 residue_name_, chain_, residue_number_, from.serial, model_number_,
-                                 from.hetero, from.measured, from.group, from.polarity);
+    molecule_.atoms.emplace_back(
+        from.position, from.radius, symbols_[static_cast<std::size_t>(from.element)], from.name,
+        residue_name_, chain_, residue_number_, from.serial, model_number_, from.hetero,
+        from.measured, from.group, from.polarity,
+        residue_numbers_.empty() ? from.residue : residue_numbers_[index_of(site)], segment_);
   }
 
   // Makes the texts that the atoms of a residue share.
   void enter(const ResiduePlace& place) {
     const gemmi::Residue& residue = *place.residue;
     residue_name_ = residue.name;
+    segment_ = residue.segment;
     residue_number_ = residue.seqid.num ? residue.seqid.str() : std::string();
     if (!place_ || place.chain != place_->chain) chain_ = place.chain->name;
     if (!place_ || place.model != place_->model) model_number_ = model_number(*place.model);
@@ -463,7 +468,8 @@ class Choice {
 
   ParsedFile& file_;
   const ReadOptions& options_;
-  const std::vector<ResiduePlace> places_;  // of the residues of all models
+  const std::vector<ResiduePlace> places_;            // of the residues of all models
+  const std::vector<std::uint32_t> residue_numbers_;  // by atom; see residue_numbers()
   Sites sites_;
   Molecule molecule_;
   std::vector<ChainCopy> copies_;
@@ -471,7 +477,7 @@ class Choice {
   const ResiduePlace* place_ = nullptr;  // of the atom appended last, as the texts below
   bool has_guesses_ = false;  // some atom in the molecule has an element that was guessed
   std::int32_t model_number_ = 0;
-  ShortText residue_name_, chain_, residue_number_;
+  ShortText residue_name_, chain_, residue_number_, segment_;
 };
 
 }  // namespace

@@ -3,8 +3,13 @@
 #include "structure/hierarchy.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <gemmi/model.hpp>
+#include <map>
+#include <set>
 #include <string>
+#include <string_view>
+#include <tuple>
 
 #include "core/large_pages.hpp"
 
@@ -74,6 +79,65 @@ Sites all_sites(ParsedFile& file, const std::vector<ResiduePlace>& places) {
   sites.resize(atoms.size());
   for (AtomRecord& atom : atoms) sites[next[atom.residue]++] = site_of(atom);
   return sites;
+}
+
+namespace {
+
+using PlaceKey = std::tuple<const gemmi::Model*, std::string_view, std::string_view, int, char,
+                            std::string_view>;
+
+PlaceKey key_of(const ResiduePlace& place) {
+  const gemmi::Residue& residue = *place.residue;
+  return {place.model,         place.chain->name, residue.segment, residue.seqid.num.value,
+          residue.seqid.icode, residue.name};
+}
+
+// For each place the first one with the same key.
+std::vector<std::uint32_t> first_places(const std::vector<ResiduePlace>& places) {
+  std::map<PlaceKey, std::uint32_t> known;
+  std::vector<std::uint32_t> firsts;
+  firsts.reserve(places.size());
+  for (const ResiduePlace& place : places)
+    firsts.push_back(
+        known.try_emplace(key_of(place), static_cast<std::uint32_t>(firsts.size())).first->second);
+  return firsts;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> residue_numbers(const ParsedFile& file,
+                                           const std::vector<ResiduePlace>& places) {
+  const std::vector<AtomRecord>& atoms = file.atoms;
+  const std::vector<std::uint32_t> firsts = first_places(places);
+  const auto by_residue = [](const AtomRecord& a, const AtomRecord& b) {
+    return a.residue < b.residue;
+  };
+  // No place has the key of an earlier one if each is the first of its own.
+  const bool plain =
+      std::adjacent_find(firsts.begin(), firsts.end(), std::greater_equal()) == firsts.end() &&
+      std::is_sorted(atoms.begin(), atoms.end(), by_residue);
+  if (plain) return {};
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(atoms.size());
+  constexpr std::uint32_t kNone = ~0u;
+  std::vector<std::uint32_t> current(places.size(), kNone);  // by first place: its last residue
+  std::set<std::tuple<std::uint32_t, std::string_view, char>> held;  // residue, name, label
+  std::uint32_t residues = 0;
+  for (auto first = atoms.begin(); first != atoms.end();) {
+    const std::uint32_t place = firsts[first->residue];
+    const auto last = std::find_if(
+        first, atoms.end(), [&](const AtomRecord& atom) { return firsts[atom.residue] != place; });
+    std::uint32_t& number = current[place];
+    const bool again = number != kNone && std::any_of(first, last, [&](const AtomRecord& atom) {
+                         return held.contains({number, atom.name.view(), atom.altloc});
+                       });
+    if (number == kNone || again) number = residues++;
+    for (; first != last; ++first) {
+      numbers.push_back(number);
+      held.emplace(number, first->name.view(), first->altloc);
+    }
+  }
+  return numbers;
 }
 
 }  // namespace vdwmesh

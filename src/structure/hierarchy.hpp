@@ -5,6 +5,7 @@
 // it has in the hierarchy: model by model, chain by chain, from 0.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "structure/parsed_file.hpp"
@@ -33,5 +34,13 @@ void copy_to_gemmi(const AtomRecord& record, gemmi::Atom& atom);
 // All atoms of the file, residue by residue, those of a residue in the order of the file. `places`
 // are those of its residues by number, and must outlast the sites.
 Sites all_sites(ParsedFile& file, const std::vector<ResiduePlace>& places);
+
+// The residue of each atom, by a number in the order of the file. gemmi tells residues by model,
+// chain, segment, number and name. These come again where a file counts past 9999 or has several
+// chains without ids: an atom that its residue has already, behind atoms of other residues, begins
+// another residue. And a residue may be spread over two chains of one name. Empty: the atoms'
+// numbers in the hierarchy say it all, as in nearly all files.
+std::vector<std::uint32_t> residue_numbers(const ParsedFile& file,
+                                           const std::vector<ResiduePlace>& places);
 
 }  // namespace vdwmesh

@@ -29,6 +29,8 @@ struct Atom {
   bool measured = true;           // false: covers others, and is not measured itself
   std::int32_t group = kNoGroup;  // the last one of ReadOptions::groups that contains the atom
   Polarity polarity = Polarity::unknown;  // by the radius set; sets by element have none
+  std::uint32_t residue = 0;  // tells the residues of the file apart, which may have equal numbers
+  ShortText segment;          // id of a segment (PDB, columns 73-76), empty in other formats
 };
 
 // Maps a reason why atoms of the file were not used to the number of these atoms. The reasons are

@@ -27,6 +27,8 @@
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
 #include "structure/pdb_records.hpp"
+#include "structure/residue_elements.hpp"
+#include "structure/standard_names.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -41,6 +43,9 @@ constexpr std::size_t kTagColumn = 72;      // entry tag or segment id
 constexpr std::size_t kChargeColumn = 70;   // of PDBQT
 constexpr std::size_t kElementColumn = 76;  // two columns, right-aligned
 constexpr std::size_t kLastColumn = 78;     // end of the element; the charge behind it is not used
+// Residue names of four letters for gemmi; see four_columns_of().
+constexpr char kWideName = '\1';
+constexpr std::size_t kDigits = 94;  // the printable characters
 constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
 // Whether the eight characters from column 73 on are the entry tag of files from before 1996: the
@@ -58,6 +63,7 @@ struct Layout {
   bool names_at_left = false;  // atom names begin in column 13 even if the element has one letter
   bool pdbqt = false;          // AutoDock's: a charge in columns 71-76, the atom type from 78 on
   bool beads = false;          // the atoms are beads of a coarse-grained (Martini) model
+  bool wide_names = false;     // residue names may have four letters, to column 21
 };
 
 // Whether the name, without blanks, is C, N, O or P with nothing but digits behind it.
@@ -72,6 +78,22 @@ bool has_charge(std::string_view line) {
   return charge.size() == 6 && charge[2] == '.' && finite_number(charge);
 }
 
+// Whether column 21, which has no use in the format, holds the fourth letter of a residue name
+// ("POPE" and "NALA" of CHARMM and AMBER), rather than the first of a chain id of two. Positive for
+// a name, negative for a chain id, 0 if the column is empty.
+int vote_for_wide_names(std::string_view line) {
+  const std::string_view four = columns(line, 17, 4), three = columns(line, 17, 3);
+  if (four.size() < 4 || four[3] == ' ') return 0;
+  const std::string name = upper_case(trimmed(four)), shorter = upper_case(trimmed(three));
+  const auto is_known = [](const std::string& residue) {
+    return is_standard_residue(residue) || standard_residue_name(residue) == "HOH" ||
+           residue == "HOH";
+  };
+  if (is_known(name)) return 1;
+  if (is_known(shorter) || four[0] == ' ' || three.find(' ') != std::string_view::npos) return -1;
+  return 1;
+}
+
 // Looks at all atom records of the file. Single records are ambiguous, so the majority decides:
 // names are at the left if more names such as N, C1, O or P begin in column 13 than in column 14,
 // where the format puts elements of one letter. Entry tags must show one and the same entry id in
@@ -80,12 +102,14 @@ bool has_charge(std::string_view line) {
 Layout layout_of(std::string_view text) {
   Layout layout;
   std::size_t atoms = 0, aligned = 0, at_left = 0, charges = 0;
+  std::int64_t wide = 0;                           // votes for wide names, less those against them
   std::map<std::string_view, std::size_t> tagged;  // atoms with an entry tag, by entry id
   std::string_view line;
   while (next_line(text, line)) {
     if (!is_atom_record(line)) continue;
     ++atoms;
     const std::string_view tag = columns(line, kTagColumn, 8), name = columns(line, 12, 4);
+    wide += vote_for_wide_names(line);
     if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
     layout.beads = layout.beads || is_martini_bead(name, columns(line, 17, 3));
     if (is_short_name(trimmed(name)) && name.size() == 4) ++(name[0] != ' ' ? at_left : aligned);
@@ -93,6 +117,7 @@ Layout layout_of(std::string_view text) {
   }
   layout.pdbqt = 2 * charges > atoms;
   layout.names_at_left = at_left > aligned;
+  layout.wide_names = wide > 0;
   layout.entry_tags = std::any_of(tagged.begin(), tagged.end(),
                                   [atoms](const auto& entry) { return 2 * entry.second > atoms; });
   return layout;
@@ -175,6 +200,16 @@ class Normaliser {
   bool elements_in_doubt() const { return in_doubt_; }
   const std::vector<std::string>& model_names() const { return models_.names(); }
 
+  // Gives the residues that gemmi has read from text() their names of four letters.
+  void restore_names(gemmi::Structure& structure) const {
+    for (const ResiduePlace& place : numbered_residues(structure)) {
+      std::string& name = place.residue->name;
+      if (name.size() != 3 || name[0] != kWideName) continue;
+      const auto digit = [&name](std::size_t i) { return static_cast<std::size_t>(name[i] - '!'); };
+      name = wide_names_.at(digit(1) * kDigits + digit(2));
+    }
+  }
+
  private:
   // Handles one line. TER and SEQRES are passed on because gemmi derives entity types (polymer,
   // ligand) from them, and selections can name these types; what stands behind column 72 may be an
@@ -225,9 +260,12 @@ class Normaliser {
         serial_number(columns(record, 6, 5)).value_or(static_cast<std::int64_t>(atoms_.size()) + 1);
     replace(0, atom.hetero ? "HETATM" : "ATOM  ");
     replace(6, five_columns(atoms_.size()));
+    const std::string residue(trimmed(columns(record, 17, layout_.wide_names ? 4 : 3)));
+    if (layout_.wide_names) replace(17, four_columns_of(residue));
+    if (is_decimal(columns(record, kTagColumn, 4))) replace(kTagColumn, "    ");
     // gemmi reads a blank occupancy as 0; the atom is meant to be there in full.
     if (trimmed(columns(record, 54, 6)).empty()) replace(54, "  1.00");
-    set_element(line, record, atom);
+    set_element(line, record, residue, atom);
     const std::string_view element = gemmi::element_name(atom.element);
     replace(kElementColumn, "  ");
     replace(kLastColumn - element.size(), element);
@@ -262,7 +300,8 @@ class Normaliser {
   }
 
   // Beads have no element.
-  void set_element(std::string_view line, std::string_view record, AtomRecord& atom) {
+  void set_element(std::string_view line, std::string_view record, std::string_view residue,
+                   AtomRecord& atom) {
     const std::string_view symbol = symbol_field(line);
     atom.element = gemmi::find_element(element_of_symbol(symbol));
     if (layout_.beads) {
@@ -270,10 +309,26 @@ class Normaliser {
       return;
     }
     read_element(symbol, columns(record, 12, 4),
-                 layout_.names_at_left ? NamePlace::word : NamePlace::columns,
-                 trimmed(columns(record, 17, 3)), atom);
+                 layout_.names_at_left ? NamePlace::word : NamePlace::columns, residue, atom);
     in_doubt_ |= atom.element_guessed || atom.symbol_overruled || atom.is_virtual ||
                  atom.element == gemmi::El::D;
+  }
+
+  // A residue name for gemmi, which reads three columns: a longer one is replaced by a number of
+  // two digits behind a character that no name has. restore_names() takes it back.
+  std::string four_columns_of(const std::string& residue) {
+    if (residue.size() < 4) return fmt::format("{:<4}", residue);
+    const auto [name, is_new] = wide_numbers_.try_emplace(residue, wide_names_.size());
+    if (is_new) wide_names_.push_back(residue);
+    if (name->second >= kDigits * kDigits)
+      refuse(fmt::format("more than {} residue names of four letters", kDigits * kDigits));
+    const auto digit = [](std::size_t value) { return static_cast<char>('!' + value); };
+    return {kWideName, digit(name->second / kDigits), digit(name->second % kDigits), ' '};
+  }
+
+  // A number with a point is a charge or a factor, and no segment id.
+  static bool is_decimal(std::string_view field) {
+    return field.find('.') != std::string_view::npos && finite_number(field).has_value();
   }
 
   // gemmi reads whatever digits it finds, so shifted columns would become a wrong position.
@@ -303,6 +358,8 @@ class Normaliser {
   ModelRecords models_;
   std::vector<AtomRecord> atoms_;
   BiomoleculeReader biomolecules_;
+  std::vector<std::string> wide_names_;              // of four letters
+  std::map<std::string, std::size_t> wide_numbers_;  // their indices
 };
 
 }  // namespace
@@ -319,6 +376,7 @@ ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* mo
   }
   for (std::size_t i = 0; i < file.structure->models.size(); ++i)
     file.structure->models[i].name = normaliser.model_names().at(i);
+  normaliser.restore_names(*file.structure);
   file.atoms = normaliser.take_atoms();
   take_gemmi_atoms(file);
   file.assemblies = normaliser.take_assemblies();

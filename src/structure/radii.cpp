@@ -6,9 +6,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
+#include <system_error>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -141,9 +143,52 @@ RadiusTable RadiusTable::named(std::string_view name) {
 }
 
 RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
+  RadiusTable table;
+  table.add_file(path);
+  return table;
+}
+
+std::vector<std::string> RadiusTable::parts_of(const std::string& list) {
+  std::error_code error;
+  if (std::filesystem::exists(list, error)) return {list};
+  std::vector<std::string> parts(1);
+  for (const char c : list) {
+    if (c == ',')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+RadiusTable RadiusTable::from_list(const std::string& list) {
+  RadiusTable table;
+  const std::vector<std::string> parts = parts_of(list);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::string& part = parts[i];
+    const std::string set = lower_case(part);
+    const bool is_set = std::find(names().begin(), names().end(), set) != names().end();
+    std::error_code error;
+    if (is_set && i == 0)
+      table = named(set);
+    else if (is_set)
+      throw InvalidInput(
+          fmt::format("radii {}: the set {} comes first, files behind it", in_quotes(list), part));
+    else if (std::filesystem::exists(part, error))
+      table.add_file(part);
+    else
+      throw InvalidInput(fmt::format("radii {}: neither a set ({}) nor a file that is there",
+                                     in_quotes(part), fmt::join(names(), ", ")));
+  }
+  return table;
+}
+
+void RadiusTable::add_file(const std::filesystem::path& path) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   const Text text = read_text(path);
   std::string_view rest(text.data(), text.size()), line;
-  RadiusTable table;
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
+  Entries& entries = files_.emplace_back();
   GivenRadii given(path);
   for (int number = 1; next_line(rest, line); ++number) {
     const std::vector<std::string_view> fields = split_at_blanks(line.substr(0, line.find('#')));
@@ -154,32 +199,39 @@ RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
                          "RADIUS",
                          fields.size()));
     const double radius = radius_or_refuse(fields.back(), path, number);
-    if (fields.size() == 3) {
-      given.add(fmt::format("{} {}", fields[0], fields[1]), radius, number);
-      table.by_atom_[{std::string(fields[0]), std::string(fields[1])}] = radius;
-      continue;
-    }
+    const bool is_atom = fields.size() == 3;
     // element_of_symbol() returns "X" for a text that is no symbol, and for "X" itself. A file may
     // name "X" to give atoms of unknown element a radius.
-    const std::string_view element = element_of_symbol(fields[0]);
+    const std::string_view element = is_atom ? "" : element_of_symbol(fields[0]);
     if (element == "X" && fields[0] != "X")
       refuse(path, number, fmt::format("{} is not an element", in_quotes(fields[0])));
-    given.add(std::string(element), radius, number);
-    table.by_element_[std::string(element)] = {radius, false};
+    const std::string name =
+        is_atom ? fmt::format("{} {}", fields[0], fields[1]) : std::string(element);
+    given.add(name, radius, number);
+    const Entry entry{radius, false, Polarity::unknown, false, static_cast<int>(lines_.size())};
+    if (!entries.try_emplace(name, entry).second) continue;
+    lines_.push_back(fmt::format("{}:{} ({})", path.string(), number, name));
+    has_atoms_ = has_atoms_ || is_atom;
   }
-  if (table.by_element_.empty() && table.by_atom_.empty())
+  if (entries.empty())
     throw FileFormatError(
         fmt::format("{}: has no radii; a line is ELEMENT RADIUS or RESIDUE ATOM "
                     "RADIUS",
                     path.string()));
-  return table;
 }
 
 std::optional<RadiusTable::Entry> RadiusTable::find(std::string_view residue, std::string_view atom,
                                                     std::string_view element) const {
-  if (!by_atom_.empty()) {
-    const auto own = by_atom_.find({std::string(residue), std::string(atom)});
-    if (own != by_atom_.end()) return Entry{own->second, false};
+  const auto find_element = [element](const Entries& entries) -> std::optional<Entry> {
+    auto found = entries.find(element);
+    if (found == entries.end() && element == "D") found = entries.find(std::string_view("H"));
+    return found == entries.end() ? std::nullopt : std::optional(found->second);
+  };
+  const std::string name = has_atoms_ ? fmt::format("{} {}", residue, atom) : std::string();
+  for (auto file = files_.rbegin(); file != files_.rend(); ++file) {
+    const auto own = has_atoms_ ? file->find(name) : file->end();
+    if (own != file->end()) return own->second;
+    if (const auto entry = find_element(*file)) return entry;
   }
   if (united_) {
     // Hydrogens are part of the united atoms, and have no radius.
@@ -187,10 +239,7 @@ std::optional<RadiusTable::Entry> RadiusTable::find(std::string_view residue, st
     if (const auto match = united_->find(residue, atom, element))
       return Entry{match->type->radius, false, match->type->polarity, match->renamed};
   }
-  auto found = by_element_.find(element);
-  if (found == by_element_.end() && element == "D") found = by_element_.find(std::string_view("H"));
-  if (found == by_element_.end()) return std::nullopt;
-  return found->second;
+  return find_element(by_element_);
 }
 
 }  // namespace vdwmesh

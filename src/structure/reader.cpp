@@ -27,18 +27,22 @@
 namespace vdwmesh {
 namespace {
 
-bool listed(const std::string& text, std::initializer_list<const char*> texts) {
-  return std::find(texts.begin(), texts.end(), text) != texts.end();
+// Throws if the options ask for what files of the format cannot have: it would be without effect.
+void refuse_idle_options(StructureFormat format, const ReadOptions& options,
+                         const std::string& path) {
+  const bool nameless = format == StructureFormat::xyzr;
+  if (!nameless && format != StructureFormat::pqr) return;
+  if (!options.radii.empty())
+    throw InvalidInput(fmt::format("{}: {} gives the radii; leave out --radii {}", path,
+                                   nameless ? "XYZR" : "PQR", options.radii));
+  if (nameless && options.waters == Inclusion::keep)
+    throw InvalidInput(path + ": the spheres of XYZR have no names; leave out --waters");
+  if (nameless && options.hydrogens == Inclusion::drop)
+    throw InvalidInput(path + ": the spheres of XYZR have no elements; leave out --no-hydrogens");
 }
 
-// The built-in radius set of that name, or the table in a file of that name.
-RadiusTable radius_table(const std::string& radii) {
-  const std::vector<std::string>& sets = RadiusTable::names();
-  if (std::find(sets.begin(), sets.end(), radii) != sets.end()) return RadiusTable::named(radii);
-  if (!std::filesystem::exists(radii))
-    throw InvalidInput(fmt::format("radii {}: neither a set ({}) nor a file that is there",
-                                   in_quotes(radii), fmt::join(sets, ", ")));
-  return RadiusTable::from_file(radii);
+bool listed(const std::string& text, std::initializer_list<const char*> texts) {
+  return std::find(texts.begin(), texts.end(), text) != texts.end();
 }
 
 // `limit`: the most bytes of text that are read.
@@ -102,8 +106,9 @@ template <class TextWithin>
 ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
                       const ReadOptions& options, const TextWithin& text_within) {
   const std::uint64_t limit = text_limit(options);
-  Text bytes = text_within(limit);
   const std::string name = name_of(path);
+  refuse_idle_options(format, options, name);
+  Text bytes = text_within(limit);
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   advance(options.monitor, 0);
   ParsedFile file = parse(text, format, name, limit, options.monitor);
@@ -129,7 +134,7 @@ bool keep_all_spheres(const ReadOptions& options) {
 }  // namespace
 
 UnexpandedMolecule read_unexpanded(const std::filesystem::path& path, const ReadOptions& options) {
-  const RadiusTable table = radius_table(options.radii);
+  const RadiusTable table = RadiusTable::from_list(radii_or_default(options));
   const auto text_within = [&](std::uint64_t limit) {
     return read_text(path, limit, options.monitor);
   };
@@ -139,8 +144,10 @@ UnexpandedMolecule read_unexpanded(const std::filesystem::path& path, const Read
 
 std::optional<SphereText> read_sphere_text(const std::filesystem::path& path,
                                            const ReadOptions& options) {
-  const RadiusTable table = radius_table(options.radii);  // throws if there is none of that name
+  const RadiusTable table =
+      RadiusTable::from_list(radii_or_default(options));  // throws if there is none of that name
   if (format_of(path, options) != StructureFormat::xyzr || !keep_all_spheres(options)) return {};
+  refuse_idle_options(StructureFormat::xyzr, options, name_of(path));
   SphereText spheres;
   spheres.bytes = read_text(path, text_limit(options), options.monitor);
   const std::string name = name_of(path);
@@ -163,7 +170,7 @@ Molecule read_structure(const std::filesystem::path& path, const ReadOptions& op
 
 Molecule read_structure(const std::filesystem::path& name, std::string_view bytes,
                         const ReadOptions& options) {
-  const RadiusTable table = radius_table(options.radii);
+  const RadiusTable table = RadiusTable::from_list(radii_or_default(options));
   const auto text_within = [&](std::uint64_t limit) {
     return text_of(bytes, name, limit, options.monitor);
   };
@@ -177,7 +184,7 @@ Molecule read_sample(const std::string& name, const ReadOptions& options) {
   if (text.empty())
     throw InvalidInput(
         fmt::format("there is no sample {}; there are ubiquitin and bpti", in_quotes(name)));
-  const RadiusTable table = radius_table(options.radii);
+  const RadiusTable table = RadiusTable::from_list(radii_or_default(options));
   return expanded(choose_atoms(parse_pdb(text, "sample " + name), options, table));
 }
 

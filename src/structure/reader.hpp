@@ -45,19 +45,25 @@ struct ReadOptions {
   // "highest": in every residue the label of highest mean occupancy; the first label in the file
   //   wins ties. If several residues share one sequence number, the same rule chooses among them.
   //   Atoms that the chosen label lacks come from the next label that has them.
-  // A label, such as "B": the atoms of this label.
+  // A label, such as "B": the atoms of this label where there is one, and "highest" elsewhere.
   // "all": every atom, so conformations overlap.
   // Atoms without a label are kept, unless they are a partial copy of a labelled atom.
   std::string altloc = "highest";
   // Bytes. Texts above memory_limit / kReadingFactor are refused, and so are assemblies whose atoms
   // take more than the limit.
   std::uint64_t memory_limit = ~std::uint64_t{0};
-  // A set of RadiusTable::names(), or the path of a radius file. PQR and XYZR files bring their own
-  // radii. Sets of united atoms drop the hydrogens, as part of the atoms that they are bonded to.
-  std::string radii = "bondi";
+  // As RadiusTable::from_list() takes it: a set of RadiusTable::names(), the path of a radius file,
+  // or several with commas. Empty: the radii that PQR and XYZR files bring, which go with no
+  // others, and "bondi" for other files. Sets of united atoms drop the hydrogens, as part of the
+  // atoms that they are bonded to.
+  std::string radii;
   // Asked now and then whether to stop. gemmi's part of the reading of a PDB file is one step.
   Monitor* monitor = nullptr;
 };
+
+inline std::string radii_or_default(const ReadOptions& options) {
+  return options.radii.empty() ? "bondi" : options.radii;
+}
 
 // Whether the extension of the name is that of a structure file that is read; ".gz" behind it does
 // not matter.

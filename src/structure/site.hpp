@@ -37,8 +37,9 @@ using Sites = std::vector<Site>;
 // Removes alternate locations from `sites`, so that one conformation per sequence position remains.
 //
 // - `label` is "all": nothing is removed.
-// - `label` is one character: atoms with this label stay, atoms with another label go. Throws
-//   InvalidInput if no atom of `sites` has the label; `path` serves the message.
+// - `label` is one character: atoms with this label stay, atoms with another label go. Positions
+//   that have other labels alone are chosen as "highest" does; a note of the molecule counts these
+//   atoms. Throws InvalidInput if no atom of `sites` has the label.
 // - `label` is "highest": each position keeps the label of highest mean occupancy; the first label
 //   in the file wins ties. Then every atom name that the residue lacks is taken from the label of
 //   the next highest mean that has it. Real files need this step: they give a hydrogen or a part of
@@ -48,8 +49,7 @@ using Sites = std::vector<Site>;
 // - Atoms without a label stay. The exception is an atom with an occupancy below 1 if an atom of
 //   the same name stays with a label: some files leave the label of one conformation blank.
 //
-// `skipped` counts what was removed, under "alternate_locations" and "microheterogeneity".
-void choose_alternate_locations(Sites& sites, const std::string& label, const std::string& path,
-                                SkippedAtoms& skipped);
+// `molecule.skipped` counts what was removed, under "alternate_locations" and "microheterogeneity".
+void choose_alternate_locations(Sites& sites, const std::string& label, Molecule& molecule);
 
 }  // namespace vdwmesh

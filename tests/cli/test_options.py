@@ -41,6 +41,29 @@ class Refusals(ProgramTest):
                 with self.subTest(option=option, value=value):
                     self.refused(option, value, says=(value,))
 
+    def test_empty_values(self):
+        """A variable of a script that was not set must not measure everything."""
+        for option in ("--select", "--measure", "--json", "--radii", "--altloc", "--model", "--per-atom",
+                       "--edge-length-of", "--group", "--picture", "--assembly", "--voids"):  # fmt: skip
+            with self.subTest(option=option):
+                self.refused(option, "", says=("empty",))
+        self.assert_refused(BAD_INPUT, "exact", "", says=("INPUT", "empty"))
+
+    def test_options_that_lists_of_spheres_cannot_have(self):
+        path = self.file("a.xyzr", "0 0 0 1.7\n")
+        for options in (("--radii", "bondi"), ("--waters",), ("--no-hydrogens",)):
+            self.assert_refused(BAD_INPUT, "exact", path, *options, says=(options[0],))
+        path = self.file("a.pqr", "ATOM 1 N MET 1 -6.4 5.5 -3.3 -0.3 1.85\n")
+        self.assert_refused(BAD_INPUT, "exact", path, "--radii", "alvarez", says=("--radii",))
+
+    def test_a_radius_file_adds_to_a_set(self):
+        mine, table = self.file("mine.txt", "ZN 2.5\nMET CA 3\nmet CA 4\n"), self.folder / "r.json"
+        self.run_ok("exact", UBIQUITIN, "--radii", f"Bondi,{mine}", "--json", table)
+        notes = " ".join(parse_json(table.read_text())["notes"])
+        for line in ("mine.txt:1 (Zn)", "mine.txt:3 (met CA)"):
+            self.assertIn(line, notes)
+        self.assertNotIn("(MET CA)", notes)
+
     def test_sizes_that_no_machine_has(self):
         for spacing in ("1e-9", "1e-3", "1e-300"):
             arguments = ("report", UBIQUITIN, "--spacing", spacing)

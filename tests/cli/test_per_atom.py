@@ -63,6 +63,20 @@ class PerAtom(ProgramTest):
             for row in rows:
                 self.assert_close(float(row["exact_area"]), int(row["atoms"]) * area, SUM)
 
+    def test_segments_stay_apart(self):
+        """Residues of two segments with one number: rows of their own, also without chain ids."""
+        atom = "ATOM  {0:5}  CA  ALA {1}{2:4}    {3:8.3f}   0.000   0.000  1.00  0.00      {4}   C  \n"
+        for chain in "A ":
+            text = "".join(atom.format(i, chain, 1, 20.0 * i, name) for i, name in ((1, "P1  "), (2, "P2  ")))
+            path, table = self.file("segments.pdb", text + "END\n"), self.folder / "a.csv"
+            self.run_ok("exact", path, "--per-atom", table, "--group", "residue")
+            with table.open(newline="") as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual([(row["segment"], row["atoms"]) for row in rows], [("P1", "1"), ("P2", "1")])
+            self.run_ok("exact", path, "--per-atom", table, "--select", ";segment=P2")
+            with table.open(newline="") as file:
+                self.assertEqual([row["serial"] for row in csv.DictReader(file)], ["2"])
+
     def test_without_a_mesh_the_column_is_empty(self):
         rows, report = self.rows(verb="exact")
         self.assertEqual({row["mesh_area"] for row in rows}, {""})

@@ -37,6 +37,31 @@ class ReadTest(unittest.TestCase):
         self.assertEqual(molecule.radii.tolist(), [BONDI[line[76:78].strip()] for line in lines])
         self.assertEqual(molecule.left_out, {"waters": 58})
 
+    def test_residues_of_segments_stay_apart(self):
+        atom = "ATOM      1  CA  ALA A  -1    {0:8.3f}   0.000   0.000  1.00  0.00      {1}   C  \n"
+        text = "".join(atom.format(20.0 * i, name) for i, name in ((1, "P1  "), (2, "P2  "), (3, "P1  ")))
+        molecule = vdwmesh.read(text.encode(), format="pdb")
+        self.assertEqual(molecule.segments.tolist(), ["P1", "P2", "P1"])
+        self.assertEqual(molecule.residues.tolist(), [0, 1, 2])
+        self.assertEqual(vdwmesh.sasa(molecule, mode="residue").shape, (3,))
+        for select in ("A/-1", "A;segment=P1,P2"):
+            self.assertEqual(len(vdwmesh.read(text.encode(), format="pdb", select=select)), 3)
+
+    def test_empty_arguments_and_radii_beside_those_of_the_file_are_refused(self):
+        for name in ("select", "radii"):
+            with self.assertRaisesRegex(ValueError, f"{name}: is empty"):
+                vdwmesh.read(UBIQUITIN, **{name: ""})
+        with self.assertRaisesRegex(ValueError, "leave out --radii"):
+            vdwmesh.read(b"0 0 0 1\n", format="xyzr", radii="bondi")
+
+    def test_a_radius_file_adds_to_a_set(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mine = pathlib.Path(folder, "mine.txt")
+            mine.write_text("C 2\n")
+            self.assertEqual(vdwmesh.radii_of(["C", "N"], set=f"bondi,{mine}").tolist(), [2.0, 1.55])
+            molecule = vdwmesh.read(UBIQUITIN, radii=f"bondi,{mine}")
+            self.assertEqual(set(molecule.radii[molecule.elements == "C"]), {2.0})
+
     def test_atoms_of_mmcif_are_those_of_gemmi(self):
         gemmi = need_package("python3-gemmi", module="gemmi")
         for name in ("special/1EJG.cif", "thesis/1HH0.cif", "thesis/1QL2.cif",

@@ -253,6 +253,119 @@ TEST(Selection, ASingleNumberIsOneResidue) {
   EXPECT_EQ(chosen("A/(SER)"), Names{"CA SER"});
 }
 
+TEST(Selection, NegativeNumbers) {
+  const std::vector<Line> lines{{" CA ", "ALA", -3}, {" CA ", "GLY", -1}, {" CA ", "SER", 3}};
+  const auto chosen = [&](const char* text) {
+    ReadOptions options;
+    options.select = text;
+    return left(lines, options);
+  };
+  EXPECT_EQ(chosen("A/-3"), Names{"CA ALA"});
+  EXPECT_EQ(chosen("-1"), Names{"CA GLY"});
+  EXPECT_EQ(chosen("A/-3--1/CA"), (Names{"CA ALA", "CA GLY"}));
+  EXPECT_EQ(chosen("A/-1-3"), (Names{"CA GLY", "CA SER"}));
+  EXPECT_EQ(chosen("/1/A/-1-"), (Names{"CA GLY", "CA SER"}));
+  EXPECT_EQ(chosen("A/*--1"), (Names{"CA ALA", "CA GLY"}));
+}
+
+// What tables print can be selected, with whatever signs.
+TEST(Selection, NamesWithSigns) {
+  const std::vector<Line> lines{{"C1* ", "  A", 1}, {"CL  ", "CL-", 2}, {" N  ", "ALA", 3}};
+  const auto chosen = [&](const char* text) {
+    ReadOptions options;
+    options.select = text;
+    return left(lines, options);
+  };
+  EXPECT_EQ(chosen("A/1/C1*"), Names{"C1* A"});
+  EXPECT_EQ(chosen("(CL-)"), Names{"CL CL-"});
+  EXPECT_EQ(chosen("(!CL-,A)"), Names{"N ALA"});
+}
+
+// An atom record with a segment id.
+std::string in_segment(const char* name, const char* chain_and_residue, double x,
+                       const char* segment) {
+  char buffer[96];
+  std::snprintf(buffer, sizeof buffer,
+                "ATOM      1 %s %s    %8.3f   0.000   0.000  1.00  0.00      %-4s\n", name,
+                chain_and_residue, x, segment);
+  return buffer;
+}
+
+std::vector<std::uint32_t> residues(const Molecule& molecule) {
+  std::vector<std::uint32_t> list;
+  for (const Atom& atom : molecule.atoms) list.push_back(atom.residue);
+  return list;
+}
+
+TEST(Residues, OfDifferentSegmentsStayApart) {
+  for (const char* place : {"ALA A   1", "ALA     1"}) {
+    const std::string text = in_segment(" N  ", place, 0, "P1") +
+                             in_segment(" CA ", place, 2, "P1") + "TER\n" +
+                             in_segment(" N  ", place, 50, "P2");
+    EXPECT_EQ(residues(read_text_as("a.pdb", text)), (std::vector<std::uint32_t>{0, 0, 1}));
+    ReadOptions options;
+    options.select = ";segment=P2";
+    const Molecule second = read_text_as("a.pdb", text, options);
+    ASSERT_EQ(second.atoms.size(), 1U);
+    EXPECT_EQ(second.atoms[0].segment, "P2");
+    if (place[4] != ' ') continue;
+    options.select = "P1";  // in place of a chain
+    EXPECT_EQ(read_text_as("a.pdb", text, options).atoms.size(), 2U);
+  }
+}
+
+TEST(Residues, NumbersThatComeAgainAreOthers) {
+  const Molecule molecule = read_text_as("a.pdb", pdb({{" N  ", "ALA", 1},
+                                                       {" CA ", "ALA", 1},
+                                                       {" N  ", "GLY", 2},
+                                                       {" N  ", "ALA", 1},
+                                                       {" CA ", "ALA", 1},
+                                                       {" N  ", "GLY", 2}}));
+  EXPECT_EQ(residues(molecule), (std::vector<std::uint32_t>{0, 0, 1, 2, 2, 3}));
+  // Atoms that a file lists behind those of other residues and chains are none of another residue.
+  const Molecule later = read_text_as(
+      "a.pdb", pdb({{" N  ", "ALA", 1}, {" N  ", "GLY", 2, ' ', 1, 'B'}, {" H  ", "ALA", 1}}));
+  EXPECT_EQ(residues(later), (std::vector<std::uint32_t>{0, 1, 0}));
+}
+
+TEST(Residues, NamesOfFourLetters) {
+  const std::string text =
+      in_segment(" N  ", "POPEM   1", 10, "MEMB") + in_segment(" C12", "POPCM   1", 20, "MEMB") +
+      in_segment(" N  ", "HSD P   3", 30, "PROA") + in_segment(" CB ", "NALAA   4", 40, "");
+  const Molecule molecule = read_text_as("a.pdb", text);
+  ASSERT_EQ(molecule.atoms.size(), 4U);
+  EXPECT_EQ(molecule.atoms[0].residue_name, "POPE");
+  EXPECT_EQ(molecule.atoms[0].chain, "M");
+  EXPECT_EQ(molecule.atoms[1].residue_name, "POPC");
+  EXPECT_EQ(molecule.atoms[2].residue_name, "HSD");
+  EXPECT_EQ(molecule.atoms[3].residue_name, "NALA");
+  EXPECT_EQ(molecule.atoms[3].chain, "A");
+  ReadOptions options;
+  options.select = "(POPC)";
+  EXPECT_EQ(read_text_as("a.pdb", text, options).atoms.size(), 1U);
+  options = {};
+  options.radii = "protor";
+  EXPECT_EQ(read_text_as("a.pdb", text, options).atoms[3].radius, 1.88);  // Tsai et al. 1999
+  // Chain ids of two letters stand there as well.
+  const Molecule wide = read_text_as("a.pdb", in_segment(" N  ", "ALAAB   1", 0, "") +
+                                                  in_segment(" N  ", "HEMAB   2", 9, "") +
+                                                  in_segment(" N  ", "GLYAB   3", 19, ""));
+  EXPECT_EQ(wide.atoms.at(1).residue_name, "HEM");
+  EXPECT_EQ(wide.atoms.at(1).chain, "AB");
+}
+
+TEST(AlternateLocations, TheHighestWhereALabelIsMissing) {
+  const std::vector<Line> lines{{" CA ", "ALA", 1, 'A', 0.6, 'A', "ATOM  ", 1},
+                                {" CA ", "ALA", 1, 'B', 0.4, 'A', "ATOM  ", 2},
+                                {" CA ", "ALA", 2, 'A', 0.4, 'A', "ATOM  ", 3},
+                                {" CA ", "ALA", 2, 'C', 0.2, 'A', "ATOM  ", 4}};
+  ReadOptions options;
+  options.altloc = "C";
+  EXPECT_EQ(positions(lines, options), (std::vector<double>{1, 4}));
+  EXPECT_THAT(read_text_as("a.pdb", pdb(lines), options).notes.at(0),
+              HasSubstr("1 atoms have no alternate location C"));
+}
+
 TEST(Selection, BadSyntaxIsRefused) {
   for (const char* bad : {"A/1/CA[", "//////", "A/1/CA[Qq]", "A/(ALA", "A/1/CA;q~3"}) {
     ReadOptions options;

@@ -164,6 +164,53 @@ TEST(RadiusTable, TheNamesAreThoseOfTheSets) {
     EXPECT_NO_THROW(RadiusTable::named(name)) << name;
 }
 
+TEST(RadiusTable, FilesAddToASetAndTheLaterOneWins) {
+  const TemporaryDirectory dir;
+  const std::string first = dir.write("a", "\xEF\xBB\xBFZN 2.5\nALA CA 3\n").string(),
+                    second = dir.write("b", "C 1.9\n").string();
+  const RadiusTable table = RadiusTable::from_list("bondi," + first);
+  EXPECT_EQ(radius(table, "Zn"), 2.5);
+  EXPECT_EQ(radius(table, "C"), 1.70);
+  EXPECT_EQ(table.find("ALA", "CA", "C")->radius, 3);
+  const RadiusTable both = RadiusTable::from_list("protor," + first + "," + second);
+  EXPECT_EQ(both.find("ALA", "CA", "C")->radius, 1.9);
+  EXPECT_EQ(both.find("ALA", "N", "N")->radius,
+            RadiusTable::named("protor").find("ALA", "N", "N")->radius);
+  EXPECT_THROW(RadiusTable::from_list(first + ",bondi"), InvalidInput);
+  EXPECT_THROW(RadiusTable::from_list("bondi,"), InvalidInput);
+}
+
+TEST(Radii, LinesThatNoAtomUsesAreNamed) {
+  const TemporaryDirectory dir;
+  ReadOptions options;
+  options.radii = "bondi," + dir.write("mine", "THR CA 2\nthr CA 2.5\n").string();
+  const char* atom =
+      "ATOM      1  CA  THR A   1       0.000   0.000   0.000  1.00  0.00           ";
+  const Molecule molecule = read_text_as("a.pdb", std::string(atom) + "C\n", options);
+  EXPECT_EQ(molecule.atoms.at(0).radius, 2);
+  ASSERT_EQ(molecule.notes.size(), 1U);
+  EXPECT_THAT(molecule.notes[0], HasSubstr("mine:2 (thr CA)"));
+  // What helps an unknown element works.
+  options.radii = dir.write("alone", "C 1.7\n").string();
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", std::string(atom) + "N\n", options),
+              HasSubstr("give --radii bondi," + options.radii));
+}
+
+TEST(Radii, AreRefusedBesideThoseOfTheFile) {
+  ReadOptions options;
+  options.radii = "bondi";
+  for (const auto& [name, text] :
+       {std::pair{"a.xyzr", "0 0 0 1\n"}, {"a.pqr", "ATOM 1 N MET 1 -6.4 5.5 -3.3 -0.3 1.85\n"}})
+    EXPECT_THAT(refusal_of_text<InvalidInput>(name, text, options), HasSubstr("leave out --radii"));
+  options = {};
+  options.waters = Inclusion::keep;
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.xyzr", "0 0 0 1\n", options), HasSubstr("--waters"));
+  options = {};
+  options.hydrogens = Inclusion::drop;
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.xyzr", "0 0 0 1\n", options),
+              HasSubstr("--no-hydrogens"));
+}
+
 TEST(RadiusTable, UnknownSetIsRefused) {
   ReadOptions options;
   options.radii = "bondy";
