@@ -29,8 +29,8 @@ namespace vdwmesh {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::expect_same_bits;
 using ::testing::ElementsAre;
+using testing::expect_same_bits;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::kFormats;
