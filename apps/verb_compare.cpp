@@ -60,7 +60,7 @@ void run_compare(const Options& options) {
   const bool excluded = options.exact.surface == ExactSurface::excluded;
   const SphereSet spheres = excluded ? to_spheres(structure.molecule, 0) : structure.spheres;
   check_file_size(options.mesh_path, options.machine.memory_limit);
-  MeshFile file = read_mesh(options.mesh_path);
+  MeshFile file = read_mesh(options.mesh_path, options.machine.memory_limit);
   session.end_stage(&Timing::read);
   const IndexedMesh& mesh = file.mesh;
   MemoryDemand demand;

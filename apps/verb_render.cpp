@@ -21,7 +21,7 @@ namespace {
 
 // In grey, unless the angles are wanted.
 void draw_file(const std::filesystem::path& path, const PictureOptions& picture, Session& session) {
-  const MeshFile file = read_mesh(path);
+  const MeshFile file = read_mesh(path, session.machine.memory_limit);
   session.report.notes = file.notes;
   const auto painter = [&](const IndexedMesh& mesh) {
     return picture.color == ColorBy::angle ? paint_by_angle(mesh, picture) : Paint(picture.plain);

@@ -1,5 +1,6 @@
 # Sets VDWMESH_WITH_MPI: whether the program for many processes is built, and the room behind it; and
-# VDWMESH_WITH_HDF5: whether it writes VTKHDF files, for which any HDF5 will do.
+# VDWMESH_WITH_HDF5: whether it writes VTKHDF files. A serial HDF5 will do, and so will one of the MPI
+# that was chosen. One of another MPI would bring that into the program.
 macro(vdwmesh_detect_mpi)
   set(VDWMESH_WITH_MPI OFF)
   if(NOT VDWMESH_MPI STREQUAL "OFF")
@@ -14,7 +15,12 @@ macro(vdwmesh_detect_mpi)
   if(VDWMESH_WITH_MPI)
     find_package(PkgConfig)
     if(PkgConfig_FOUND)
-      pkg_search_module(HDF5 IMPORTED_TARGET hdf5-openmpi hdf5 hdf5-serial)
+      if("${MPI_CXX_INCLUDE_DIRS};${MPI_CXX_LIBRARIES}" MATCHES "mpich")
+        set(VDWMESH_HDF5_OF_MPI hdf5-mpich)
+      elseif("${MPI_CXX_INCLUDE_DIRS};${MPI_CXX_LIBRARIES}" MATCHES "openmpi")
+        set(VDWMESH_HDF5_OF_MPI hdf5-openmpi)
+      endif()
+      pkg_search_module(HDF5 IMPORTED_TARGET ${VDWMESH_HDF5_OF_MPI} hdf5-serial hdf5)
     endif()
     set(VDWMESH_WITH_HDF5 "${HDF5_FOUND}")
     if(VDWMESH_WITH_HDF5)

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "command_line/command_line.hpp"
+#include "core/errors.hpp"
 #include "interrupt.hpp"
 #include "memory.hpp"
 #include "outcome.hpp"
@@ -23,6 +24,11 @@ std::optional<Command> read_together(const Ranks& ranks, const Program& program,
 }
 
 void run(const Ranks& ranks, int argc, const char* const* argv) {
+  ranks.together([&] {
+    if (!ranks.allows_threads())
+      throw InvalidInput(
+          "this MPI grants no threads (MPI_THREAD_FUNNELED); use an MPI that was built with them");
+  });
   const std::vector<Verb> verbs =
       rank_verbs([&](const Options& options) { run_ranks_mesh(ranks, options); },
                  [&](const Options& options) { run_ranks_exact(ranks, options); });

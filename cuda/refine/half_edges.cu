@@ -1,6 +1,8 @@
 // Matches half-edges with their opposites by a counting sort, as the host does: half-edges in
 // buckets by start vertex, and the opposite of one from u to v is the only half-edge in the bucket
-// of v that ends in u. The order within a bucket depends on the threads, but nothing else does.
+// of v that ends in u, or the one before a half-edge of the bucket of u that starts in v; the
+// shorter bucket is searched. The order within a bucket depends on the threads, but nothing else
+// does.
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/refine/half_edges.cuh"
@@ -40,14 +42,18 @@ __global__ void match(HalfEdges all, const std::uint32_t* begin, const std::uint
   const std::uint64_t h = thread_index();
   if (h >= all.count) return;
   const std::uint32_t from = all.end(h), to = all.start(h);
+  const bool before = begin[to + 1] - begin[to] < begin[from + 1] - begin[from];
+  const std::uint32_t bucket = before ? to : from;
   std::uint32_t found = kUnmatched;
-  for (std::uint32_t i = begin[from]; i < begin[from + 1]; ++i) {
-    if (all.end(buckets[i]) != to) continue;
+  for (std::uint32_t i = begin[bucket]; i < begin[bucket + 1]; ++i) {
+    std::uint32_t candidate = buckets[i];
+    if (before) candidate = candidate % 3 == 0 ? candidate + 2 : candidate - 1;
+    if (before ? all.start(candidate) != from : all.end(candidate) != to) continue;
     if (found != kUnmatched) {
       found = kUnmatched;
       break;
     }
-    found = buckets[i];
+    found = candidate;
   }
   opposite[h] = found;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include "../../apps/memory.hpp"
 #include "analysis/comparison.hpp"
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
@@ -63,7 +64,7 @@ py::dict quality(const MeshHandle& h, bool with_self_intersections) {
 // A mesh file; vertices in one place are merged where that closes the mesh, as the program does it.
 py::tuple read_file(const std::string& path) {
   MeshFile file = call({}, [&](Monitor&) {
-    MeshFile read = read_mesh(path);
+    MeshFile read = read_mesh(path, apps::default_memory_limit());
     if (read.mesh.triangles.empty()) {
       throw FileFormatError(path + ": holds no triangles; a triangle mesh is needed");
     }

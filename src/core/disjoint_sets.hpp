@@ -11,10 +11,12 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "core/buffer.hpp"
+#include "core/errors.hpp"
 #include "core/large_pages.hpp"
 
 namespace vdwmesh {
@@ -23,7 +25,10 @@ namespace vdwmesh {
 // is its smallest member.
 class DisjointSets {
  public:
+  // Throws LimitExceeded for more than 2^32 - 1 elements: the loops over them count in 32 bits.
   explicit DisjointSets(std::size_t count) {
+    if (count > std::numeric_limits<std::uint32_t>::max())
+      throw LimitExceeded("sets of more than 2^32 - 1 elements cannot be joined");
     resize_untouched(parent_, count);
     std::iota(parent_.begin(), parent_.end(), 0u);
   }

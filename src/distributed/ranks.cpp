@@ -60,8 +60,9 @@ struct Ranks::Host {
 };
 
 Ranks::Ranks(int& argc, char**& argv) : host_(new Host) {
-  int provided = 0;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  int granted = MPI_THREAD_SINGLE;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &granted);
+  allows_threads_ = granted >= MPI_THREAD_FUNNELED;
   MPI_Comm_rank(MPI_COMM_WORLD, &number_);
   MPI_Comm_size(MPI_COMM_WORLD, &count_);
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &host_->ranks);

@@ -37,6 +37,8 @@ class Ranks {
   // Whether it is the lowest rank of its host. The first rank is.
   bool leads_host() const { return number_on_host_ == 0; }
 
+  // Whether MPI grants that a rank starts threads, of which one makes all calls.
+  bool allows_threads() const { return allows_threads_; }
   // Does `work` on every rank. If it throws on one or more, all ranks throw the exception of the
   // lowest of these: the same class of core/errors.hpp with the same message, preceded by "rank N:
   // " unless N is 0. Foreign exceptions become InternalError, std::bad_alloc stays what it is.
@@ -137,6 +139,7 @@ class Ranks {
   void exchange_bytes(std::span<const std::span<const std::byte>> sent,
                       std::span<const std::span<std::byte>> received) const;
 
+  bool allows_threads_ = false;
   int number_ = 0, count_ = 1, number_on_host_ = 0, count_on_host_ = 1;
   struct Host;
   Host* host_ = nullptr;  // communicators of the ranks on this host, and of leaders

@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/errors.hpp"
 
@@ -17,6 +19,26 @@ namespace {
 std::uint64_t product(const Vec3i& n, std::int64_t extra) {
   return static_cast<std::uint64_t>(n.x + extra) * static_cast<std::uint64_t>(n.y + extra) *
          static_cast<std::uint64_t>(n.z + extra);
+}
+
+// Vertices lie on edges of the grid. An edge must have at least so many places in double precision,
+// or vertices fall together.
+constexpr double kLeastPlaces = 256;
+
+// Throws unless doubles are fine enough for the spacing everywhere in the grid.
+void check_precision(const GridSpec& grid) {
+  double farthest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double first = grid.origin[axis],
+                 last = first + grid.spacing * static_cast<double>(grid.cells[axis]);
+    farthest = std::max({farthest, std::abs(first), std::abs(last)});
+  }
+  const double least = kLeastPlaces * std::numeric_limits<double>::epsilon() * farthest;
+  if (grid.spacing >= least) return;
+  throw LimitExceeded(fmt::format(
+      "a spacing of {:.3g} Å is finer than double precision at coordinates of {:.3g} Å: "
+      "choose at least {:.3g} Å or move the spheres towards the origin",
+      grid.spacing, farthest, 1.01 * least));
 }
 
 void check_options(const GridOptions& options) {
@@ -52,6 +74,7 @@ void check(const GridSpec& grid) {
                                       grid.cells[axis], "xyz"[axis], kMaxCellsPerAxis));
     }
   }
+  check_precision(grid);
 }
 
 GridSpec make_grid(const SphereSet& spheres, const GridOptions& options) {
@@ -83,6 +106,7 @@ GridSpec make_grid(const Box& balls, const Box& centers, const GridOptions& opti
     }
     grid.cells[axis] = static_cast<std::int64_t>(cells);
   }
+  check_precision(grid);
   return grid;
 }
 

@@ -34,7 +34,7 @@ inline constexpr std::int64_t kMaxCellsPerAxis = (std::int64_t{1} << 20) - 4;
 
 // Throws InvalidInput unless origin and spacing are finite, the spacing is above 0, and there are 0
 // or more cells along each axis. Throws LimitExceeded for more than kMaxCellsPerAxis cells along an
-// axis.
+// axis, and if the spacing is finer than doubles resolve at the grid's place.
 void check(const GridSpec& grid);
 
 struct GridOptions {
@@ -53,7 +53,7 @@ struct GridOptions {
 // corner of the box less the padding. It is not rounded to multiples of the spacing, so if all
 // spheres are translated, the grid moves with them. Throws InvalidInput if there are no spheres, if
 // the spacing is not finite and above 0, or if the padding is not finite and at least 0. Throws
-// LimitExceeded for more than kMaxCellsPerAxis cells along an axis.
+// LimitExceeded as check() does.
 GridSpec make_grid(const SphereSet& spheres, const GridOptions& options);
 // The same for spheres of which only the boxes around the balls and around their centres are known.
 GridSpec make_grid(const Box& balls, const Box& centers, const GridOptions& options);

@@ -5,6 +5,7 @@
 // hold so many elements.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,6 +33,8 @@ MeshFile read_ply(std::string_view bytes);
 MeshFile read_obj(std::string_view bytes);
 MeshFile read_off(std::string_view bytes);
 MeshFile read_stl(std::string_view bytes);
-MeshFile read_glb(std::string_view bytes);
+// The format alone may place its arrays many times: throws LimitExceeded if the mesh would take
+// more than `memory_limit` bytes.
+MeshFile read_glb(std::string_view bytes, std::uint64_t memory_limit);
 
 }  // namespace vdwmesh::formats

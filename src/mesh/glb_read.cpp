@@ -1,8 +1,9 @@
 // Reader of GLB, the binary form of glTF 2.0. The library tinygltf parses the JSON and finds the
 // binary chunk; this file checks its indices and sizes, walks through the tree of nodes and
-// collects all triangles in one mesh. Every node has a transform relative to its parent, which is
-// applied in double, so a translation such as write_glb() stores keeps the precision of the
-// positions.
+// collects all triangles in one mesh. A file may place an array any number of times, so a first
+// walk adds up what the mesh takes and a second one makes it. Every node has a transform relative
+// to its parent, which is applied in double, so a translation such as write_glb() stores keeps the
+// precision of the positions.
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
@@ -11,6 +12,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
 #include <ranges>
 
 #include "core/errors.hpp"
@@ -102,6 +106,12 @@ struct AccessorView {
     std::memcpy(&value, data + i * stride, sizeof value);
     return value;
   }
+  // Number k of element i, a vector of floats.
+  float number(std::size_t i, std::size_t k) const {
+    float value;
+    std::memcpy(&value, data + i * stride + k * sizeof value, sizeof value);
+    return value;
+  }
 };
 
 // Resolves an accessor whose elements have `size` bytes. An accessor is a part of a buffer view,
@@ -126,124 +136,271 @@ AccessorView elements(const tinygltf::Model& model, const tinygltf::Accessor& ac
   return {data.data() + view.byteOffset + accessor.byteOffset, accessor.count, step};
 }
 
-// An accessor of positions or normals. Quantised ones (an extension of glTF) are refused.
-AccessorView float_vectors(const tinygltf::Model& model, int accessor_index) {
+// An accessor of vectors of `dimension` floats. Quantised ones (an extension of glTF) are refused.
+AccessorView float_vectors(const tinygltf::Model& model, int accessor_index, int dimension = 3) {
   const auto& accessor = item(model.accessors, accessor_index, "accessor");
   if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
-      accessor.type != TINYGLTF_TYPE_VEC3)
-    fail("positions and normals are read as float vectors only");
-  return elements(model, accessor, sizeof(Vec3f));
+      accessor.type != (dimension == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4))
+    fail("positions, normals and places of instances are read as float vectors only");
+  return elements(model, accessor, static_cast<std::size_t>(dimension) * sizeof(float));
 }
 
-// The indices of a primitive into its own vertices, of which there are `vertices`. Throws if an
-// index is larger. A primitive without indices uses its vertices one after the other.
-std::vector<std::uint32_t> read_indices(const tinygltf::Model& model,
-                                        const tinygltf::Primitive& primitive,
-                                        std::size_t vertices) {
-  std::vector<std::uint32_t> indices;
-  if (primitive.indices < 0) {
-    for (std::uint32_t i = 0; i < vertices; ++i) indices.push_back(i);
-    return indices;
-  }
-  const auto& accessor = item(model.accessors, primitive.indices, "accessor");
-  const auto read = [&]<class T>(T) {
-    const AccessorView source = elements(model, accessor, sizeof(T));
-    indices.resize(source.count);
-    for (std::size_t i = 0; i < source.count; ++i) indices[i] = source.at<T>(i);
-  };
+// Calls use(T{}) with the type of the indices in the accessor.
+template <class Use>
+auto with_index_type(const tinygltf::Accessor& accessor, const Use& use) {
   switch (accessor.componentType) {
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      read(std::uint8_t{});
-      break;
+      return use(std::uint8_t{});
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      read(std::uint16_t{});
-      break;
+      return use(std::uint16_t{});
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      read(std::uint32_t{});
-      break;
+      return use(std::uint32_t{});
     default:
       fail("indices are of no type that glTF allows");
   }
+}
+
+// How many indices a primitive with so many vertices has. A primitive without indices uses its
+// vertices one after the other.
+std::size_t index_count(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
+                        std::size_t vertices) {
+  if (primitive.indices < 0) return vertices;
+  const auto& accessor = item(model.accessors, primitive.indices, "accessor");
+  return with_index_type(accessor,
+                         [&]<class T>(T) { return elements(model, accessor, sizeof(T)).count; });
+}
+
+// The indices of a primitive into its own vertices, of which there are `vertices`. Throws if an
+// index is larger.
+std::vector<std::uint32_t> read_indices(const tinygltf::Model& model,
+                                        const tinygltf::Primitive& primitive,
+                                        std::size_t vertices) {
+  std::vector<std::uint32_t> indices(index_count(model, primitive, vertices));
+  if (primitive.indices < 0) {
+    std::iota(indices.begin(), indices.end(), 0u);
+    return indices;
+  }
+  const auto& accessor = item(model.accessors, primitive.indices, "accessor");
+  with_index_type(accessor, [&]<class T>(T) {
+    const AccessorView source = elements(model, accessor, sizeof(T));
+    for (std::size_t i = 0; i < source.count; ++i) indices[i] = source.at<T>(i);
+  });
   for (const std::uint32_t i : indices)
     if (i >= vertices) fail(fmt::format("index {} of a primitive with {} vertices", i, vertices));
   return indices;
+}
+
+constexpr std::string_view kInstancing = "EXT_mesh_gpu_instancing";
+
+// Whether an extension is applied here or is about looks alone. The triangles of a file that needs
+// any other extension are not those that its plain glTF describes.
+bool keeps_triangles(std::string_view extension) {
+  static constexpr std::string_view kLooks[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                                "KHR_lights_",    "EXT_lights_",  "KHR_xmp"};
+  return extension == kInstancing ||
+         std::ranges::any_of(kLooks, [&](auto begin) { return extension.starts_with(begin); });
+}
+
+// Refuses a file that cannot be understood without an extension that is not applied here.
+void check_required(const tinygltf::Model& model) {
+  for (const std::string& name : model.extensionsRequired)
+    if (!keeps_triangles(name))
+      fail(
+          fmt::format("the extension {}, which the file requires, is not read here; write the "
+                      "mesh without it",
+                      name));
+}
+
+// Calls visit(transform) for every instance of a node's mesh: once with the identity if the node
+// has no EXT_mesh_gpu_instancing, and otherwise with each translation * rotation * scale.
+template <class Visit>
+void for_each_instance(const tinygltf::Model& model, const tinygltf::Node& node,
+                       const Visit& visit) {
+  const auto extension = node.extensions.find(std::string(kInstancing));
+  if (extension == node.extensions.end()) return visit(Transform{});
+  const tinygltf::Value& attributes = extension->second.Get("attributes");
+  tinygltf::Node place;  // of one instance
+  struct Part {
+    std::vector<double>& values;
+    AccessorView source;
+  };
+  std::vector<Part> parts;
+  const auto find = [&](const char* name, std::vector<double>& values, int dimension) {
+    if (!attributes.IsObject() || !attributes.Has(name)) return;
+    const tinygltf::Value& accessor = attributes.Get(name);
+    if (!accessor.IsInt()) fail(fmt::format("{} of {} is no accessor", name, kInstancing));
+    parts.push_back({values, float_vectors(model, accessor.GetNumberAsInt(), dimension)});
+    values.resize(static_cast<std::size_t>(dimension));
+  };
+  find("TRANSLATION", place.translation, 3);
+  find("ROTATION", place.rotation, 4);
+  find("SCALE", place.scale, 3);
+  if (parts.empty()) fail(fmt::format("{} without places of instances", kInstancing));
+  for (const Part& part : parts)
+    if (part.source.count != parts[0].source.count)
+      fail(fmt::format("{} with attributes of different counts", kInstancing));
+  for (std::size_t i = 0; i < parts[0].source.count; ++i) {
+    for (const Part& part : parts)
+      for (std::size_t k = 0; k < part.values.size(); ++k)
+        part.values[k] = double{part.source.number(i, k)};
+    visit(transform_of(place));
+  }
+}
+
+// The accessor of an attribute of a primitive, or -1.
+int attribute(const tinygltf::Primitive& primitive, const char* name) {
+  const auto found = primitive.attributes.find(name);
+  return found == primitive.attributes.end() ? -1 : found->second;
+}
+
+// Whether a primitive has triangles. One of no mode (-1) is a list of triangles, the default.
+bool has_triangles(const tinygltf::Primitive& primitive) {
+  return (primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == -1 ||
+          primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+          primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN) &&
+         attribute(primitive, "POSITION") >= 0;
+}
+
+// Primitives of a mesh that name the same accessors of positions and normals share their vertices.
+using VertexSource = std::pair<int, int>;
+VertexSource vertex_source(const tinygltf::Primitive& primitive) {
+  return {attribute(primitive, "POSITION"), attribute(primitive, "NORMAL")};
 }
 
 // Collects the triangles of the default scene (the first one if none is named), or of all meshes if
 // the file has no scenes.
 class GlbReader {
  public:
-  explicit GlbReader(const tinygltf::Model& model)
-      : model_(model), visited_(model.nodes.size(), false) {}
+  explicit GlbReader(const tinygltf::Model& model) : model_(model) {}
 
-  MeshFile read() {
-    const auto& scenes = model_.scenes;
-    if (scenes.empty()) {
-      for (const tinygltf::Mesh& mesh : model_.meshes) add(mesh, Transform{});
-    } else {
-      const int scene = std::max(model_.defaultScene, 0);
-      for (const int root : item(scenes, scene, "scene").nodes) visit(root);
-    }
+  MeshFile read(std::uint64_t memory_limit) {
+    reserve(memory_limit);
+    for_each_mesh([&](int mesh, const Transform& transform) { add(mesh, transform); });
     // If only some primitives have normals, those are dropped: a mesh has one per vertex or none.
     if (file_.mesh.normals.size() != file_.mesh.vertex_count()) file_.mesh.normals.clear();
-    if (skipped_ > 0)
-      file_.notes.push_back(
-          fmt::format("{} primitives that are no triangles were left out", skipped_));
-    if (left_over_ > 0)
-      file_.notes.push_back(fmt::format(
-          "{} indices at the ends of primitives make no whole triangle and were left out",
-          left_over_));
+    add_notes();
     return std::move(file_);
   }
 
  private:
-  // Adds the meshes of a node and of its descendants, in depth-first order. The stack of open nodes
-  // is a vector, because a hostile file could nest nodes deeper than recursion can go. A node that
-  // is met twice is an error (glTF demands trees); so the loop ends even if nodes form a cycle.
+  // Calls visit(mesh, transform) for every mesh that is to be read, with its number, as often as it
+  // is placed.
+  template <class Visit>
+  void for_each_mesh(const Visit& visit) const {
+    if (!model_.scenes.empty()) {
+      const int scene = std::max(model_.defaultScene, 0);
+      return for_each_mesh_below(item(model_.scenes, scene, "scene").nodes, visit);
+    }
+    for (std::size_t m = 0; m < model_.meshes.size(); ++m) visit(static_cast<int>(m), Transform{});
+  }
+
+  // Takes the nodes and their descendants in depth-first order. The stack of open nodes is a
+  // vector, because a hostile file could nest nodes deeper than recursion can go. A node that is
+  // met twice is an error (glTF demands trees); so the loop ends even if nodes form a cycle.
   // Children are pushed in reverse, so that the first is taken first.
-  void visit(int root) {
-    std::vector<std::pair<int, Transform>> open{{root, Transform{}}};
+  template <class Visit>
+  void for_each_mesh_below(const std::vector<int>& roots, const Visit& visit) const {
+    std::vector<bool> visited(model_.nodes.size(), false);
+    std::vector<std::pair<int, Transform>> open;
+    for (const int root : std::views::reverse(roots)) open.push_back({root, Transform{}});
     while (!open.empty()) {
       const auto [index, above] = open.back();
       open.pop_back();
       const tinygltf::Node& node = item(model_.nodes, index, "node");
-      if (visited_[static_cast<std::size_t>(index)])
+      if (visited[static_cast<std::size_t>(index)])
         fail(fmt::format("node {} has more than one parent", index));
-      visited_[static_cast<std::size_t>(index)] = true;
+      visited[static_cast<std::size_t>(index)] = true;
       const Transform here = above.after(transform_of(node));
-      if (node.mesh >= 0) add(item(model_.meshes, node.mesh, "mesh"), here);
+      if (node.mesh >= 0)
+        for_each_instance(model_, node, [&, mesh = node.mesh, &outer = here](const Transform& own) {
+          visit(mesh, outer.after(own));
+        });
       for (const int child : std::views::reverse(node.children)) open.push_back({child, here});
     }
   }
 
-  // Adds the primitives of a mesh. A primitive of no mode (-1) is one of triangles, the default.
-  void add(const tinygltf::Mesh& mesh, const Transform& transform) {
+  // The vertices and triangles that one placement of a mesh adds. A primitive counts as one
+  // triangle at least, so that the sum bounds the time, too.
+  MeshSize size_of(const tinygltf::Mesh& mesh) const {
+    MeshSize size{};
+    std::map<VertexSource, std::size_t> vertices;
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
-      const bool triangles = primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == -1;
-      const auto position = primitive.attributes.find("POSITION");
-      if (triangles && position != primitive.attributes.end()) {
-        add(primitive, position->second, transform);
-      } else {
-        ++skipped_;
+      ++size.triangles;
+      if (!has_triangles(primitive)) continue;
+      const auto [source, added] = vertices.try_emplace(vertex_source(primitive), 0);
+      if (added) {
+        source->second = float_vectors(model_, source->first.first).count;
+        size.vertices += source->second;
       }
+      const std::size_t indices = index_count(model_, primitive, source->second);
+      size.triangles +=
+          primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == -1 ? indices / 3 : indices;
+    }
+    return size;
+  }
+
+  // Makes room for the whole mesh. Throws LimitExceeded if it takes more than `memory_limit`.
+  void reserve(std::uint64_t memory_limit) {
+    std::vector<std::optional<MeshSize>> sizes(model_.meshes.size());
+    MeshSize all{};
+    for_each_mesh([&](int m, const Transform&) {
+      const tinygltf::Mesh& mesh = item(model_.meshes, m, "mesh");
+      auto& size = sizes[static_cast<std::size_t>(m)];
+      if (!size) size = size_of(mesh);
+      all.vertices += size->vertices;
+      all.triangles += size->triangles;
+      check_vertex_limit(all.vertices);
+      const std::uint64_t bytes =
+          all.vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + all.triangles * sizeof(Triangle);
+      if (bytes > memory_limit)
+        throw LimitExceeded(fmt::format(
+            "GLB: the file places {} vertices and {} triangles or more, which take {} bytes; {} "
+            "are allowed: a higher memory limit would do",
+            all.vertices, all.triangles, bytes, memory_limit));
+    });
+    file_.mesh.positions.reserve(all.vertices);
+    file_.mesh.triangles.reserve(all.triangles);
+  }
+
+  void add_notes() {
+    const auto note = [&](std::uint64_t count, std::string_view text) {
+      if (count > 0) file_.notes.push_back(fmt::format("{} {}", count, text));
+    };
+    note(skipped_, "primitives that are no triangles were left out");
+    note(left_over_, "indices at the ends of primitives make no whole triangle and were left out");
+    note(static_cast<std::uint64_t>(std::ranges::count_if(
+             model_.nodes, [](const tinygltf::Node& node) { return node.skin >= 0; })),
+         "nodes have a skin, which is not applied: their meshes are as they were bound");
+    for (const std::string& name : model_.extensionsUsed)
+      if (!keeps_triangles(name))
+        file_.notes.push_back(fmt::format("the extension {} is not applied", name));
+  }
+
+  // Adds the primitives of a mesh.
+  void add(int mesh, const Transform& transform) {
+    std::map<VertexSource, std::size_t> first_of;
+    for (const tinygltf::Primitive& primitive : item(model_.meshes, mesh, "mesh").primitives) {
+      if (!has_triangles(primitive)) {
+        ++skipped_;
+        continue;
+      }
+      const VertexSource source = vertex_source(primitive);
+      const auto [found, added] = first_of.try_emplace(source, file_.mesh.vertex_count());
+      if (added) add_vertices(source, transform);
+      const std::size_t count = float_vectors(model_, source.first).count;
+      add_triangles(read_indices(model_, primitive, count), primitive.mode, found->second,
+                    transform.determinant() < 0);
     }
   }
 
-  // Adds a primitive of triangles, whose positions are in accessor number `position`.
-  void add(const tinygltf::Primitive& primitive, int position, const Transform& transform) {
-    IndexedMesh& mesh = file_.mesh;
-    const AccessorView points = float_vectors(model_, position);
-    const std::size_t first = mesh.vertex_count();
-    check_vertex_limit(std::uint64_t{first} + points.count);
+  void add_vertices(const VertexSource& source, const Transform& transform) {
+    const AccessorView points = float_vectors(model_, source.first);
     for (std::size_t i = 0; i < points.count; ++i) {
       const Vec3d p = transform.apply(cast<double>(points.at<Vec3f>(i)));
       if (!std::isfinite(p.x + p.y + p.z)) fail(fmt::format("vertex {} is not finite", i));
-      mesh.positions.push_back(p);
+      file_.mesh.positions.push_back(p);
     }
-    const auto normal = primitive.attributes.find("NORMAL");
-    if (normal != primitive.attributes.end()) add_normals(normal->second, points.count, transform);
-    add_triangles(read_indices(model_, primitive, points.count), first,
-                  transform.determinant() < 0);
+    if (source.second >= 0) add_normals(source.second, points.count, transform);
   }
 
   void add_normals(int accessor, std::size_t count, const Transform& transform) {
@@ -264,19 +421,23 @@ class GlbReader {
 
   // Adds the triangles of a primitive whose vertices begin at `first`. A transform with a negative
   // determinant is a mirror and reverses the winding (glTF 2.0, 3.7.4), so two corners are swapped.
-  void add_triangles(const std::vector<std::uint32_t>& indices, std::size_t first, bool mirrored) {
-    left_over_ += indices.size() % 3;
-    for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
-      const auto corner = [&](std::size_t k) {
-        return static_cast<std::uint32_t>(first + indices[i + k]);
-      };
-      file_.mesh.triangles.push_back(
-          {corner(0), corner(mirrored ? 2 : 1), corner(mirrored ? 1 : 2)});
+  // Strips turn every second triangle, and join their parts by triangles that name a vertex twice.
+  void add_triangles(const std::vector<std::uint32_t>& indices, int mode, std::size_t first,
+                     bool mirrored) {
+    const bool strip = mode == TINYGLTF_MODE_TRIANGLE_STRIP,
+               fan = mode == TINYGLTF_MODE_TRIANGLE_FAN;
+    if (!strip && !fan) left_over_ += indices.size() % 3;
+    for (std::size_t i = 0; i + 2 < indices.size(); i += strip || fan ? 1 : 3) {
+      std::array<std::uint32_t, 3> t{indices[i], indices[i + 1], indices[i + 2]};
+      if (fan) t = {indices[i + 1], indices[i + 2], indices[0]};
+      if (strip && (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])) continue;
+      if ((strip && i % 2 == 1) != mirrored) std::swap(t[1], t[2]);
+      const auto corner = [&](std::uint32_t v) { return static_cast<std::uint32_t>(first + v); };
+      file_.mesh.triangles.push_back({corner(t[0]), corner(t[1]), corner(t[2])});
     }
   }
 
   const tinygltf::Model& model_;
-  std::vector<bool> visited_;  // by index of the node
   MeshFile file_;
   std::uint64_t skipped_ = 0;    // primitives that are no triangles or have no positions
   std::uint64_t left_over_ = 0;  // indices at the ends of primitives that make no triangle
@@ -284,7 +445,7 @@ class GlbReader {
 
 }  // namespace
 
-MeshFile read_glb(std::string_view bytes) {
+MeshFile read_glb(std::string_view bytes, std::uint64_t memory_limit) {
   if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
     fail("the file is larger than its 32 bits can count");
   tinygltf::TinyGLTF loader;
@@ -300,9 +461,10 @@ MeshFile read_glb(std::string_view bytes) {
   const bool loaded = loader.LoadBinaryFromMemory(
       &model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()),
       static_cast<unsigned int>(bytes.size()), "", tinygltf::NO_REQUIRE);
-  std::replace(error.begin(), error.end(), '\n', ' ');
+  // The names of extensions are read before what the file needs them for.
+  check_required(model);
   if (!loaded) fail(error.empty() ? "not understood" : error);
-  return GlbReader(model).read();
+  return GlbReader(model).read(memory_limit);
 }
 
 }  // namespace vdwmesh::formats

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -23,15 +24,15 @@ namespace {
 using Json = nlohmann::json;
 
 // Constants of the glTF 2.0 specification.
-constexpr int kFloat = 5126, kUnsignedByte = 5121, kUnsignedInt = 5125;  // component types
-constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;         // targets
-constexpr int kTriangles = 4;                                            // mode
-constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2;               // "glTF"
+constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;  // component types
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;          // targets
+constexpr int kTriangles = 4;                                             // mode
+constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2;                // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr std::uint32_t kHeaderSize = 12, kChunkHeaderSize = 8;
 // Bytes per vertex or triangle. All are multiples of 4, as glTF demands of offsets and chunks, so
 // the arrays need no padding between them.
-constexpr std::uint64_t kVectorSize = 12, kColorSize = 4, kTriangleSize = 12;
+constexpr std::uint64_t kVectorSize = 12, kColorSize = 8, kTriangleSize = 12;
 // An upper bound of the JSON, with the headers. Its length depends on the mesh by few numbers only.
 constexpr std::uint64_t kMaxJsonBytes = 4096;
 
@@ -99,7 +100,7 @@ void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
   add(kVectorSize * vertices, kArrayBuffer,
       {{"componentType", kFloat}, {"count", vertices}, {"type", "VEC3"}});
   add(kColorSize * vertices, kArrayBuffer,
-      {{"componentType", kUnsignedByte},
+      {{"componentType", kUnsignedShort},
        {"count", vertices},
        {"type", "VEC4"},
        {"normalized", true}});
@@ -109,7 +110,11 @@ void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
   json["meshes"] = {{{"primitives",
                       {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"COLOR_0", 2}}},
                         {"indices", 3},
+                        {"material", 0},
                         {"mode", kTriangles}}}}}};
+  // The material that glTF takes where none is named is a metal, whose colours look wrong.
+  json["materials"] = {
+      {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.6}}}}};
 }
 
 // The JSON chunk. It is padded with blanks to a multiple of 4 bytes, as the format demands.
@@ -144,8 +149,20 @@ void write_header(const std::string& json, std::uint64_t binary, ChunkWriter& ou
   out.raw(kBinaryChunk);
 }
 
+// The linear value of each byte of sRGB (IEC 61966-2-1), as glTF wants the colours of vertices. In
+// 16 bits no two bytes become equal.
+std::array<std::uint16_t, 256> linear_colors() {
+  std::array<std::uint16_t, 256> linear;
+  for (std::size_t byte = 0; byte < linear.size(); ++byte) {
+    const double s = static_cast<double>(byte) / 255;
+    const double value = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    linear[byte] = static_cast<std::uint16_t>(std::lround(65535 * value));
+  }
+  return linear;
+}
+
 // Writes the arrays in the order of describe_arrays(). `origin` is the middle of the box. Colours
-// get a fourth byte, for alpha.
+// get a fourth number, for alpha.
 void write_arrays(const SurfaceMesh& mesh, const Vec3d& origin, ChunkWriter& out,
                   Warnings& warnings) {
   const auto for_each = [&](std::size_t count, const auto& write) {
@@ -161,9 +178,10 @@ void write_arrays(const SurfaceMesh& mesh, const Vec3d& origin, ChunkWriter& out
   });
   loss.finish("GLB", warnings);
   for_each(mesh.n_vertices(), [&](std::size_t v) { out.raw(mesh.normal(vertex_handle(v))); });
+  const std::array<std::uint16_t, 256> linear = linear_colors();
   for_each(mesh.n_vertices(), [&](std::size_t v) {
     const auto& c = mesh.color(vertex_handle(v));
-    out.raw(std::array<unsigned char, kColorSize>{c[0], c[1], c[2], 255});
+    out.raw(std::array<std::uint16_t, 4>{linear[c[0]], linear[c[1]], linear[c[2]], 0xffff});
   });
   for_each(mesh.n_faces(), [&](std::size_t f) { out.raw(face_vertices(mesh, f)); });
 }

@@ -30,40 +30,21 @@ bool is_finite(const SurfaceMesh::Point& p) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-bool is_deleted(const SurfaceMesh& mesh, std::size_t face) {
-  return mesh.status(OpenMesh::FaceHandle(static_cast<int>(face))).deleted();
-}
-
-bool is_sound(const SurfaceMesh& mesh, OpenMesh::VertexHandle v) {
-  return !mesh.status(v).deleted() && is_finite(mesh.point(v));
-}
-
-[[noreturn]] void refuse(const SurfaceMesh& mesh) {
-  for (const auto f : mesh.all_faces())
-    if (mesh.status(f).deleted())
-      throw InvalidInput(fmt::format("face {} is deleted: collect the garbage first", f.idx()));
-  const auto all = mesh.all_vertices();
-  const OpenMesh::VertexHandle v = *std::find_if(
-      all.begin(), all.end(), [&](OpenMesh::VertexHandle u) { return !is_sound(mesh, u); });
-  if (mesh.status(v).deleted())
-    throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", v.idx()));
-  const auto& p = mesh.point(v);
-  throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v.idx(), p[0], p[1], p[2]));
-}
-
 // Throws unless the mesh is as the writers of formats.hpp may assume: nothing is deleted, and all
-// coordinates are finite. OpenMesh only marks deleted elements; its garbage_collection() removes
-// them and renumbers the rest. all_faces() and all_vertices() visit deleted elements too. The loops
-// in parallel only find whether all is well; what is named is the first, for any number of threads.
+// coordinates are finite. The loop in parallel only finds whether all is well; what is named is the
+// first vertex, for any number of threads.
 void check_writable(const SurfaceMesh& mesh) {
-  std::atomic<bool> all_good = true;
-  for_each_index(mesh.n_faces(), [&](std::size_t f) {
-    if (is_deleted(mesh, f)) all_good = false;
-  });
+  check_nothing_deleted(mesh);
+  std::atomic<bool> all_finite = true;
   for_each_index(mesh.n_vertices(), [&](std::size_t v) {
-    if (!is_sound(mesh, OpenMesh::VertexHandle(static_cast<int>(v)))) all_good = false;
+    if (!is_finite(mesh.point(OpenMesh::VertexHandle(static_cast<int>(v))))) all_finite = false;
   });
-  if (!all_good) refuse(mesh);
+  if (all_finite) return;
+  for (const auto v : mesh.all_vertices()) {
+    const auto& p = mesh.point(v);
+    if (!is_finite(p))
+      throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v.idx(), p[0], p[1], p[2]));
+  }
 }
 
 // The same for a mesh without half-edges, whose spheres need colours.
@@ -216,16 +197,18 @@ EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format) {
   return {std::move(sink).take(), std::move(warnings)};
 }
 
-MeshFile read_mesh(const fs::path& path) {
+MeshFile read_mesh(const fs::path& path, std::uint64_t memory_limit) {
   const MeshFormat format = mesh_format(path);
   try {
-    return decode_mesh(FileBytes(path).view(), format);
+    return decode_mesh(FileBytes(path).view(), format, memory_limit);
   } catch (const FileFormatError& error) {
     throw FileFormatError(fmt::format("{}: {}", path.string(), error.what()));
+  } catch (const LimitExceeded& error) {
+    throw LimitExceeded(fmt::format("{}: {}", path.string(), error.what()));
   }
 }
 
-MeshFile decode_mesh(std::string_view bytes, MeshFormat format) {
+MeshFile decode_mesh(std::string_view bytes, MeshFormat format, std::uint64_t memory_limit) {
   switch (format) {
     case MeshFormat::ply:
       return formats::read_ply(bytes);
@@ -236,7 +219,7 @@ MeshFile decode_mesh(std::string_view bytes, MeshFormat format) {
     case MeshFormat::stl:
       return formats::read_stl(bytes);
     case MeshFormat::glb:
-      return formats::read_glb(bytes);
+      return formats::read_glb(bytes, memory_limit);
   }
   throw InvalidInput("no such mesh format");
 }

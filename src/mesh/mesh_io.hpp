@@ -3,6 +3,7 @@
 // when it is complete.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -28,7 +29,8 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 //   PLY: binary little-endian; double positions, float normals, uchar colours, int sphere ids.
 //   OBJ, OFF: text, with the fewest digits from which the same double is read back.
 //   STL: binary, float32.
-//   GLB: float32 relative to the middle of the mesh, which the translation of the node restores.
+//   GLB: float32 relative to the middle of the mesh, which the translation of the node restores;
+//        colours in linear light, which glTF wants, on a material that is no metal.
 // Returns warnings for people: coordinates that move by more than 1e-4 Å when they become float32
 // (STL, GLB), and triangles of which two corners become equal (STL).
 // Throws FileFormatError if the file cannot be written (no part of it is left), InvalidInput if the
@@ -54,8 +56,9 @@ struct MeshFile {
 
 // Reads a mesh file: PLY and STL in text or binary form, OBJ, OFF, GLB. Convex and concave polygons
 // become triangles. Doubles keep their precision. Throws FileFormatError with the line or byte of
-// the error, and InvalidInput if the extension is unknown.
-MeshFile read_mesh(const std::filesystem::path& path);
+// the error, InvalidInput if the extension is unknown, and LimitExceeded if a GLB file, which may
+// name an array many times, makes a mesh of more than `memory_limit` bytes.
+MeshFile read_mesh(const std::filesystem::path& path, std::uint64_t memory_limit = kNoMemoryLimit);
 
 // write_mesh() and read_mesh() with a string instead of a file.
 struct EncodedMesh {
@@ -63,6 +66,7 @@ struct EncodedMesh {
   std::vector<std::string> warnings;
 };
 EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format);
-MeshFile decode_mesh(std::string_view bytes, MeshFormat format);
+MeshFile decode_mesh(std::string_view bytes, MeshFormat format,
+                     std::uint64_t memory_limit = kNoMemoryLimit);
 
 }  // namespace vdwmesh

@@ -2,8 +2,11 @@
 //
 // A file is a keyword, the counts of vertices, faces and edges, one line per vertex and one line
 // per face (number of corners, then indices from 0). The keyword announces what a vertex line has
-// beside the position: [ST][C][N]OFF, for texture coordinates, a colour and a normal. Normals are
-// read; colours and textures are skipped, as are colours of faces. The writer makes a plain OFF.
+// beside the position: [ST][C][N]OFF, for texture coordinates, a colour and a normal, whose letters
+// MeshLab writes in another order, or OFF[+N][+A] of NanoShaper, for a normal and an atom. Normals
+// follow the position in all of them and are read; all else is skipped, as are colours of faces.
+// The keyword may be missing (Geomview), the first count may follow it without a blank (ModelNet),
+// and the count of edges may be missing. The writer makes a plain OFF.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,8 +30,9 @@ class OffReader {
     read_keyword();
     const auto vertices = count("vertices", has_normals_ ? 6 : 3);
     const auto faces = count("faces", 1);
-    in_.skip_to_token();
-    (void)in_.integer<std::uint64_t>();  // edges: many programs write 0 or a wrong number
+    if (!in_.at_line_end())
+      (void)in_.integer<std::uint64_t>();  // edges: many programs write 0 or a wrong number
+    in_.next_line();
     check_vertex_limit(vertices);
     for (std::uint64_t i = 0; i < vertices; ++i) read_vertex();
     for (std::uint64_t i = 0; i < faces; ++i) read_face();
@@ -40,24 +44,49 @@ class OffReader {
   }
 
  private:
-  // Reads the first word. If the next word is BINARY, throws. Otherwise the position goes back to
-  // the end of the first word, because the next word may be the first of the counts.
+  // Reads the keyword, and leaves the position at the first of the counts.
   void read_keyword() {
     in_.skip_to_token();
+    const char* const start = in_.position();
     const std::string_view word = in_.word();
-    if (!word.ends_with("OFF")) in_.fail("an OFF file begins with 'OFF'");
-    std::string_view kind = word.substr(0, word.size() - 3);
-    if (kind.starts_with("ST")) kind.remove_prefix(2);
-    if (kind.starts_with("C")) kind.remove_prefix(1);
-    if (kind.starts_with("N")) {
-      has_normals_ = true;
-      kind.remove_prefix(1);
-    }
-    if (!kind.empty()) in_.fail(fmt::format("'{}' is a kind of OFF that is not read here", word));
-    const char* after = in_.position();
+    const auto is_count = [](std::string_view text) {
+      return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    };
+    if (is_count(word)) return in_.move_to(start);
+    const std::size_t off = word.find("OFF");
+    if (off == std::string_view::npos) in_.fail("an OFF file begins with 'OFF'");
+    const std::string_view after = word.substr(off + 3);
+    read_kind(word, word.substr(0, off), is_count(after) ? std::string_view() : after);
+    if (is_count(after)) return in_.move_to(after.data());
+    const char* const counts = in_.position();
     in_.skip_blanks();
     if (in_.word() == "BINARY") in_.fail("binary OFF is not read here");
-    in_.move_to(after);
+    in_.move_to(counts);
+  }
+
+  // Reads what stands before and after the letters OFF of the keyword.
+  void read_kind(std::string_view word, std::string_view before, std::string_view after) {
+    const auto take = [](std::string_view& text, std::string_view part) {
+      const bool there = text.starts_with(part);
+      if (there) text.remove_prefix(part.size());
+      return there;
+    };
+    while (!before.empty()) {
+      if (take(before, "N")) {
+        has_normals_ = true;
+      } else if (!take(before, "ST") && !take(before, "C")) {
+        break;
+      }
+    }
+    while (!after.empty()) {
+      if (take(after, "+N")) {
+        has_normals_ = true;
+      } else if (!take(after, "+A")) {
+        break;
+      }
+    }
+    if (!before.empty() || !after.empty())
+      in_.fail(fmt::format("'{}' is a kind of OFF that is not read here", word.substr(0, 24)));
   }
 
   // Reads a count from the header; `what` names the elements in messages. Each element has at least

@@ -87,7 +87,7 @@ class BinaryBody {
     const std::size_t least = element.least_size();
     if (least > 0 && element.count > bytes_left() / least)
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
-                       element.count, element.name, bytes_left()));
+                       element.count, element.name.substr(0, 24), bytes_left()));
   }
   // An upper bound of the list entries of this type that the rest of the file can hold.
   std::size_t max_list_entries(PlyScalar scalar) const { return bytes_left() / size_of(scalar); }
@@ -130,7 +130,7 @@ class AsciiBody {
     const std::size_t least = 2 * element.properties.size();
     if (least > 0 && element.count > in_.bytes_left() / least + 1)
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
-                       element.count, element.name, in_.bytes_left()));
+                       element.count, element.name.substr(0, 24), in_.bytes_left()));
   }
   std::size_t max_list_entries(PlyScalar) const { return in_.bytes_left(); }
   bool at_end() { return in_.at_end(); }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
@@ -32,6 +33,25 @@ std::optional<FaceSphereProperty> face_spheres(const SurfaceMesh& mesh) {
   return property;
 }
 
+// The loops in parallel only find whether all is well; what is named is the first, for any number
+// of threads. all_faces() and all_vertices() visit deleted elements too.
+void check_nothing_deleted(const SurfaceMesh& mesh) {
+  std::atomic<bool> all_kept = true;
+  for_each_index(mesh.n_faces(), [&](std::size_t f) {
+    if (mesh.status(face(f)).deleted()) all_kept = false;
+  });
+  for_each_index(mesh.n_vertices(), [&](std::size_t v) {
+    if (mesh.status(vertex(v)).deleted()) all_kept = false;
+  });
+  if (all_kept) return;
+  for (const auto f : mesh.all_faces())
+    if (mesh.status(f).deleted())
+      throw InvalidInput(fmt::format("face {} is deleted: collect the garbage first", f.idx()));
+  for (const auto v : mesh.all_vertices())
+    if (mesh.status(v).deleted())
+      throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", v.idx()));
+}
+
 SurfaceMesh to_surface_mesh(const IndexedMesh& source) {
   SurfaceMesh mesh;
   SurfaceMeshBuilder(mesh).build(source);
@@ -39,6 +59,7 @@ SurfaceMesh to_surface_mesh(const IndexedMesh& source) {
 }
 
 IndexedMesh to_indexed_mesh(const SurfaceMesh& mesh) {
+  check_nothing_deleted(mesh);
   IndexedMesh result;
   const std::size_t vertices = mesh.n_vertices(), triangles = mesh.n_faces();
   const VertexSpheresProperty spheres = vertex_spheres(mesh);

@@ -62,8 +62,13 @@ inline constexpr const char* kFaceSphereName = "f:sphere";
 SurfaceMesh to_surface_mesh(const IndexedMesh& mesh);
 
 // The inverse of to_surface_mesh(): vertices and triangles in the order of their handles, with
-// `opposite` filled in. Throws InvalidInput if the mesh lacks the vertex property above.
+// `opposite` filled in. Throws InvalidInput if the mesh lacks the vertex property above or has
+// deleted elements.
 IndexedMesh to_indexed_mesh(const SurfaceMesh& mesh);
+
+// Throws InvalidInput that names the first deleted face or vertex. OpenMesh only marks deleted
+// elements; its garbage_collection() removes them and renumbers the rest.
+void check_nothing_deleted(const SurfaceMesh& mesh);
 
 // The opposite of each half-edge 3t + k, which is the half-edge that runs back along the same edge,
 // or kNoOpposite if the edge is on the boundary. Throws InvalidInput if an edge lies on more than

@@ -572,6 +572,15 @@ class Faults(RanksTest):
         start[place:place] = ["env", f"LD_PRELOAD={library}", *([f"FAIL_ALLOCATION={number}"] if number else [])]
         return subprocess.run(start, capture_output=True, text=True, timeout=120, env=ranks_environment())
 
+    def test_an_mpi_without_threads_is_refused(self):
+        start = command(2, *self.mesh("--quiet", to="a.ply"))
+        place = start.index(RANKS_PROGRAM)
+        start[place:place] = ["env", f"LD_PRELOAD={os.environ['VDWMESH_GRANT_NO_THREADS']}"]
+        result = subprocess.run(start, capture_output=True, text=True, timeout=120, env=ranks_environment())
+        self.assertNotEqual(result.returncode, 0)
+        self.assertRegex(result.stderr, r"\Avdwmesh-mpi: [^\n]*grants no threads[^\n]*\n\Z")
+        self.assertEqual(self.files(), [])
+
     def test_a_rank_without_memory_ends_all(self):
         """At a dozen places of the run."""
         counted = self.run_with_failing_allocation(0)

@@ -68,7 +68,8 @@ reference::MeshFacts facts_of(const ExtractResult& result);
 
 // Everything that holds for every mesh: arrays of matching length, closed, oriented, 2-manifold, no
 // degenerate triangle, Euler characteristic even and by Gauss-Bonnet.
-void expect_sound(const ExtractResult& result, const std::string& what);
+void expect_sound(const ExtractResult& result, const std::string& what,
+                  Connectivity connectivity = Connectivity::triangles);
 
 SphereSet one_sphere(double radius);
 SphereSet two_spheres(double r1, double r2, double distance);

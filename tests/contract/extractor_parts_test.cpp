@@ -159,6 +159,7 @@ TEST_P(ExtractorParts, RangesJoinToTheWholeMesh) {
   const SphereSet spheres = cluster(300, 11);
   for (const ExtractOptions& options : {at_spacing(0.4), with_half_edges(at_spacing(0.4))}) {
     const ExtractResult whole = extract(spheres, options);
+    expect_sound(whole, "whole", options.connectivity);
     Dice dice(12);
     for (const int count : {0, 1, 2, 7, 40}) {
       const auto cuts = random_cuts(whole.grid, dice, count);

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/errors.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -87,6 +89,11 @@ TEST(DisjointSets, NumbersBySmallestMember) {
   Buffer<std::uint32_t> number;
   EXPECT_EQ(std::move(sets).number_sets(number), 3u);
   EXPECT_EQ(number, (Buffer<std::uint32_t>{0, 1, 2, 1, 1, 1}));
+}
+
+// Indices are of 32 bits, so a loop over 2^32 elements would not end.
+TEST(DisjointSets, RefuseMoreElementsThanTheyCount) {
+  EXPECT_THROW(DisjointSets(std::size_t{1} << 32), LimitExceeded);
 }
 
 }  // namespace

@@ -46,6 +46,19 @@ TEST(Grid, RefusesOptionsWithoutMeaning) {
   EXPECT_THROW(make_grid(box_of_two(), options), InvalidInput);
 }
 
+// Doubles are 2 apart at 1e16, and 2^-10 at 8e12: 512 places on an edge of 0.5.
+TEST(Grid, RefusesSpacingsThatDoublesDoNotResolve) {
+  const GridOptions options{.spacing = 0.5};
+  for (const double far : {1e16, -1e16}) {
+    EXPECT_THROW(make_grid(SphereSet({{{0, far, 0}, 2}}), options), LimitExceeded);
+    GridOptions given;
+    given.given = GridSpec{{0, 0, far}, 0.5, {9, 9, 9}};
+    EXPECT_THROW(make_grid(SphereSet({{{0, 0, far}, 2}}), given), LimitExceeded);
+  }
+  EXPECT_NO_THROW(make_grid(SphereSet({{{0, 8e12, 0}, 2}}), options));
+  EXPECT_THROW(make_grid(SphereSet({{{0, 8e13, 0}, 2}}), options), LimitExceeded);
+}
+
 TEST(Grid, RefusesMoreCellsThanKeysCanNumber) {
   GridOptions options;
   options.spacing = 1e-9;

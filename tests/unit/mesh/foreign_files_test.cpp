@@ -291,6 +291,27 @@ TEST(OffFile, Kinds) {
   EXPECT_EQ(with_normals.mesh.normals[1], (Vec3f{1, 0, 0}));
 }
 
+// As NanoShaper, MeshLab, ModelNet, Geomview and writers that count no edges make them.
+TEST(OffFile, KindsOfOtherPrograms) {
+  const std::string faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  const std::string plain = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + faces;
+  const auto read = [](const std::string& text) { return decode_mesh(text, MeshFormat::off); };
+  expect_tetrahedron(read(
+      "OFF+A\n# File created by NanoShaper\n4 4 0\n0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n" + faces));
+  expect_tetrahedron(read("OFF4 4 6\n" + plain));
+  expect_tetrahedron(read("4 4 6\n" + plain));
+  expect_tetrahedron(read("OFF\n4 4\n" + plain));
+  const std::string normals =
+      "0 0 0 0 0 1 A\n1 0 0 1 0 0 A\n0 1 0 0 1 0 A\n0 0 1 0 0 1 A\n" + faces;
+  for (const char* kind : {"OFF+N", "OFF+N+A", "NCOFF", "CNOFF", "STCNOFF"}) {
+    const MeshFile file = read(std::string(kind) + "\n4 4 0\n" + normals);
+    expect_tetrahedron(file);
+    EXPECT_THAT(file.mesh.normals,
+                ElementsAre(Vec3f{0, 0, 1}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}))
+        << kind;
+  }
+}
+
 TEST(StlFile, Ascii) {
   const MeshFile file = decode_mesh(
       "solid a b c\n  facet normal 0 0 1\n    outer loop\n      vertex 0 0 0\n"
@@ -409,6 +430,9 @@ std::vector<BadFile> bad_files() {
       {"obj_huge_index", MeshFormat::obj, "v 0 0 0\nf 1 1 99999999999\n", "line 2"},
       {"off_other", MeshFormat::off, "COLLADA\n", "line 1"},
       {"off_4d", MeshFormat::off, "4OFF\n1 0 0\n0 0 0 0\n", "'4OFF'"},
+      {"off_letters", MeshFormat::off, "OFF+X\n1 0 0\n0 0 0 0\n", "'OFF+X' is a kind"},
+      {"off_control", MeshFormat::off, "\x1b[2JOFF\n1 0 0\n0 0 0 0\n", "'?[2JOFF' is a kind"},
+      {"ply_control", MeshFormat::ply, "ply\n\x1b[2J\n", "'?[2J' has no place"},
       {"off_binary", MeshFormat::off, "OFF BINARY\n", "binary"},
       {"off_lying", MeshFormat::off, "OFF\n4000000000 1 0\n" + filler, "promised"},
       {"off_index", MeshFormat::off, "OFF\n1 1 0\n0 0 0\n3 0 0 1\n", "line 4"},

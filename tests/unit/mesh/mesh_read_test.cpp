@@ -29,6 +29,7 @@ namespace vdwmesh {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using testing::expect_same_bits;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -188,6 +189,92 @@ TEST(MeshIo, ABinaryPlyMaySpeakOfTextInAComment) {
   ASSERT_NE(at, std::string::npos);
   bytes.insert(at, "comment format ascii was too long\n");
   EXPECT_EQ(decode_mesh(bytes, MeshFormat::ply).mesh.triangles, testing::cube().triangles);
+}
+
+// The JSON of a GLB file.
+nlohmann::json json_of(const std::string& glb) {
+  std::uint32_t size;
+  std::memcpy(&size, glb.data() + 12, sizeof size);
+  return nlohmann::json::parse(glb.substr(20, size));
+}
+
+// An extension that the file requires is refused by name, unless it is about looks; one that it
+// uses is named in a note.
+TEST(MeshIo, GlbExtensionsAreAppliedNotedOrRefused) {
+  const std::string glb = encode_mesh(to_surface_mesh(testing::cube()), MeshFormat::glb).bytes;
+  const auto with = [&](const char* list, const char* name) {
+    nlohmann::json json = json_of(glb);
+    json[list] = {name};
+    return decode_mesh(with_json(glb, json), MeshFormat::glb);
+  };
+  EXPECT_THAT(with("extensionsRequired", "KHR_materials_unlit").notes, IsEmpty());
+  EXPECT_THAT(with("extensionsUsed", "EXT_mesh_gpu_instancing").notes, IsEmpty());
+  EXPECT_THAT(with("extensionsUsed", "XY_bend").notes, ElementsAre(HasSubstr("XY_bend")));
+  try {
+    with("extensionsRequired", "KHR_draco_mesh_compression");
+    FAIL() << "accepted";
+  } catch (const FileFormatError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("KHR_draco_mesh_compression"));
+  }
+}
+
+// The eight corners of the cube are the translations of EXT_mesh_gpu_instancing, whose transforms
+// come before that of the node.
+TEST(MeshIo, GlbInstancesArePlaced) {
+  const IndexedMesh mesh = testing::cube();
+  const std::string glb = encode_mesh(to_surface_mesh(mesh), MeshFormat::glb).bytes;
+  nlohmann::json json = json_of(glb);
+  json["nodes"] = {{{"mesh", 0}, {"scale", {2, 2, 2}}}};
+  const IndexedMesh alone = decode_mesh(with_json(glb, json), MeshFormat::glb).mesh;
+  auto& attributes = json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  attributes["TRANSLATION"] = 0;
+  attributes["SCALE"] = 0;
+  const IndexedMesh placed = decode_mesh(with_json(glb, json), MeshFormat::glb).mesh;
+  ASSERT_EQ(placed.vertex_count(), 8 * mesh.vertex_count());
+  ASSERT_EQ(placed.triangle_count(), 8 * mesh.triangle_count());
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Vec3d place = 0.5 * alone.positions[i];  // as stored
+    for (std::size_t v = 0; v < 8; ++v) {
+      const Vec3d &p = alone.positions[v], &q = placed.positions[8 * i + v];
+      EXPECT_EQ(q, (Vec3d{place.x * p.x, place.y * p.y, place.z * p.z} + 2.0 * place));
+    }
+  }
+  attributes["ROTATION"] = 0;  // three numbers where a quaternion has four
+  EXPECT_THROW(decode_mesh(with_json(glb, json), MeshFormat::glb), FileFormatError);
+}
+
+// Primitives of a mesh that name the same vertices share them, so a file of many primitives makes
+// no more of them; and a mesh that is placed too often is refused before memory is taken.
+TEST(MeshIo, GlbPrimitivesShareVerticesWithinTheMemoryAllowed) {
+  const IndexedMesh mesh = testing::icosphere(2);
+  const std::string glb = encode_mesh(to_surface_mesh(mesh), MeshFormat::glb).bytes;
+  nlohmann::json json = json_of(glb);
+  auto& primitives = json["meshes"][0]["primitives"];
+  for (int i = 1; i < 4; ++i) primitives.push_back(primitives[0]);
+  const std::string many = with_json(glb, json);
+  const IndexedMesh read = decode_mesh(many, MeshFormat::glb).mesh;
+  EXPECT_EQ(read.vertex_count(), mesh.vertex_count());
+  EXPECT_EQ(read.normals, decode_mesh(glb, MeshFormat::glb).mesh.normals);
+  EXPECT_EQ(read.triangle_count(), 4 * mesh.triangle_count());
+  const std::uint64_t bytes = 36 * mesh.vertex_count() + 48 * mesh.triangle_count();
+  EXPECT_THROW(decode_mesh(many, MeshFormat::glb, bytes), LimitExceeded);
+  EXPECT_NO_THROW(decode_mesh(many, MeshFormat::glb, bytes + 4 * 12));  // one more a primitive
+}
+
+// Strips and fans have the triangles of glTF 2.0, 3.7.2.1; a strip's double corners join its parts.
+TEST(MeshIo, GlbStripsAndFans) {
+  const std::string glb = encode_mesh(to_surface_mesh(testing::cube()), MeshFormat::glb).bytes;
+  nlohmann::json json = json_of(glb);
+  auto& primitive = json["meshes"][0]["primitives"][0];
+  primitive.erase("indices");
+  const auto triangles = [&](int mode) {
+    primitive["mode"] = mode;
+    return decode_mesh(with_json(glb, json), MeshFormat::glb).mesh.triangles;
+  };
+  EXPECT_THAT(triangles(5), ElementsAre(Triangle{0, 1, 2}, Triangle{1, 3, 2}, Triangle{2, 3, 4},
+                                        Triangle{3, 5, 4}, Triangle{4, 5, 6}, Triangle{5, 7, 6}));
+  EXPECT_THAT(triangles(6), ElementsAre(Triangle{1, 2, 0}, Triangle{2, 3, 0}, Triangle{3, 4, 0},
+                                        Triangle{4, 5, 0}, Triangle{5, 6, 0}, Triangle{6, 7, 0}));
 }
 
 // Two of the last triangle's indices without the third.

@@ -156,6 +156,44 @@ TEST(MeshIo, GlbNamesTheBoundsOfItsFloats) {
   }
 }
 
+// Viewers show linear colours by the inverse of sRGB's curve (IEC 61966-2-1), on a material that is
+// no metal: then a byte of every value comes back.
+TEST(MeshIo, GlbColorsAreLinearAndNoMetal) {
+  SurfaceMesh mesh = to_surface_mesh(testing::icosphere(3));
+  ASSERT_GE(mesh.n_vertices(), 256u);
+  for (int v = 0; v < 256; ++v) {
+    const auto byte = static_cast<unsigned char>(v);
+    mesh.set_color(OpenMesh::VertexHandle(v), {byte, 255, 0});
+  }
+  const std::string bytes = encode_mesh(mesh, MeshFormat::glb).bytes;
+  std::uint32_t json_size;
+  std::memcpy(&json_size, bytes.data() + 12, sizeof json_size);
+  const auto json = nlohmann::json::parse(bytes.substr(20, json_size));
+  const auto& primitive = json.at("meshes").at(0).at("primitives").at(0);
+  const auto& accessor =
+      json.at("accessors").at(primitive.at("attributes").at("COLOR_0").get<std::size_t>());
+  ASSERT_EQ(accessor.at("componentType"), 5123);  // unsigned short
+  ASSERT_EQ(accessor.at("type"), "VEC4");
+  ASSERT_EQ(accessor.at("normalized"), true);
+  const std::size_t first =
+      json.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>()).at("byteOffset");
+  for (int v = 0; v < 256; ++v) {
+    std::array<std::uint16_t, 4> stored;
+    std::memcpy(stored.data(),
+                bytes.data() + 20 + json_size + 8 + first + 8 * static_cast<std::size_t>(v),
+                sizeof stored);
+    const double linear = stored[0] / 65535.0;
+    const double shown =
+        linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+    EXPECT_EQ(std::lround(255 * shown), v);
+    EXPECT_EQ(stored[1], 65535);
+    EXPECT_EQ(stored[2], 0);
+    EXPECT_EQ(stored[3], 65535);
+  }
+  const auto& material = json.at("materials").at(primitive.at("material").get<std::size_t>());
+  EXPECT_EQ(material.at("pbrMetallicRoughness").at("metallicFactor"), 0);
+}
+
 TEST(MeshIo, WarnsWhereFloatsLoseTooMuch) {
   const auto warnings = [](const IndexedMesh& mesh, MeshFormat format) {
     return encode_mesh(to_surface_mesh(mesh), format).warnings.size();

@@ -117,6 +117,15 @@ TEST(SurfaceMesh, KeepsVertexData) {
   EXPECT_EQ(mesh.property(vertex_spheres(mesh), OpenMesh::VertexHandle(2))[1], 7u);
 }
 
+TEST(SurfaceMesh, WithDeletedFacesIsNoIndexedMeshUntilTheyAreCollected) {
+  SurfaceMesh mesh = to_surface_mesh(testing::icosphere(1));
+  const std::size_t faces = mesh.n_faces();
+  mesh.delete_face(OpenMesh::FaceHandle(3));
+  EXPECT_THROW(to_indexed_mesh(mesh), InvalidInput);
+  mesh.garbage_collection();
+  EXPECT_EQ(to_indexed_mesh(mesh).triangle_count(), faces - 1);
+}
+
 TEST(SurfaceMesh, KeepsTheSpheresOfFacesWhereThereAreAny) {
   IndexedMesh source = testing::tetrahedron();
   EXPECT_FALSE(face_spheres(to_surface_mesh(source)));

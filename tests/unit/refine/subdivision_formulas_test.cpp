@@ -65,6 +65,42 @@ TEST(HalfEdges, EdgesAreNumberedByTheirFirstHalfEdge) {
   EXPECT_EQ(next, 12u);
 }
 
+// Two hubs with half a million spokes each. If every spoke looked through all half-edges of its
+// hub, this would take 10^11 steps and more.
+TEST(HalfEdges, OfHubsWithManySpokesAreFoundInTheShorterBucket) {
+  constexpr std::uint32_t kSpokes = 1 << 19, kTop = kSpokes, kBottom = kSpokes + 1;
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = 0; i < kSpokes; ++i) {
+    const std::uint32_t next = (i + 1) % kSpokes;
+    triangles.push_back({i, next, kTop});
+    triangles.push_back({next, i, kBottom});
+  }
+  const auto opposite = match_half_edges(triangles, kSpokes + 2);
+  ASSERT_EQ(opposite.size(), 3 * triangles.size());
+  std::size_t wrong = 0;
+  for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+    const std::uint32_t back = opposite[h];
+    wrong += back >= opposite.size() ||
+             triangles[h / 3][h % 3] != triangles[back / 3][(back + 1) % 3] ||
+             triangles[back / 3][back % 3] != triangles[h / 3][(h + 1) % 3];
+  }
+  EXPECT_EQ(wrong, 0u);
+}
+
+// An edge of three triangles has no opposites, whichever end has fewer half-edges.
+TEST(HalfEdges, OfAnEdgeOfThreeTrianglesHaveNoOpposite) {
+  for (const bool turned : {false, true}) {
+    const std::uint32_t a = turned ? 1 : 0, b = 1 - a;
+    const std::vector<Triangle> triangles{{a, b, 2}, {b, a, 3}, {b, a, 4}, {b, 5, 6}, {b, 6, 7}};
+    const auto opposite = match_half_edges(triangles, 8);
+    EXPECT_EQ(opposite[0], kUnmatched);
+    EXPECT_EQ(opposite[3], 0u);
+    EXPECT_EQ(opposite[6], 0u);
+    EXPECT_EQ(opposite[11], 12u);  // from 6 to b, and back
+    EXPECT_EQ(opposite[12], 11u);
+  }
+}
+
 TEST(HalfEdges, TheFirstBadOneIsNamed) {
   try {
     find_opposite(testing::disc(4));
