@@ -31,17 +31,18 @@ void check_file_size(const std::string& path, std::uint64_t limit) {
 }
 
 // Vertices that several triangles hold apart are merged where that closes the mesh.
-void measure_file(MeshFile& file, const std::string& path, Session& session) {
+void measure_file(MeshFile& file, const std::string& path, SelfIntersections wanted,
+                  Session& session) {
   if (file.mesh.triangle_count() == 0) {
     throw FileFormatError(path + ": holds no triangles; a triangle mesh is needed");
   }
   Report& report = session.report;
   const std::size_t notes = report.notes.size();
-  measure(file.mesh, SelfIntersections::count, session);
+  measure(file.mesh, wanted, session);
   if (!report.mesh->topology.closed &&
       weld_if_that_closes(file, session.machine.memory_limit, report)) {
     report.notes.resize(notes);
-    measure(file.mesh, SelfIntersections::count, session);
+    measure(file.mesh, wanted, session);
   }
   if (!(report.mesh->measures.area > 0)) {
     throw FileFormatError(path + ": none of its triangles has an area; it holds no surface");
@@ -64,11 +65,11 @@ void run_compare(const Options& options) {
   session.end_stage(&Timing::read);
   const IndexedMesh& mesh = file.mesh;
   MemoryDemand demand;
-  demand.self_intersections = SelfIntersections::count;
+  demand.self_intersections = options.self_intersections;
   demand.exact = method_for_memory(options.exact);
   demand.distances = options.distances.distances;
   check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
-  measure_file(file, options.mesh_path, session);
+  measure_file(file, options.mesh_path, options.self_intersections, session);
   const bool is_elsewhere = warn_of_place(mesh, spheres, session.report);
   if (excluded) {
     measure_excluded(structure.molecule, input.probe, options.exact, Switch::off, session);

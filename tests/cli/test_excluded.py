@@ -110,6 +110,12 @@ class Excluded(ProgramTest):
         ):
             arguments = ("exact", UBIQUITIN, "--surface", "excluded", *option)
             self.assert_refused(BAD_INPUT, *arguments, says=(option[0],))
+        # What rounding leaves of three small balls under a large probe is no surface, or is doubted.
+        three = self.file("three.xyzr", "0 0 0 1.7\n3 0 0 1.7\n0 3 0 1.7\n")
+        excluded = ("exact", three, "--surface", "excluded", "--probe")
+        self.assert_refused(BAD_INPUT, *excluded, "1e6", says=("probe of 1e+06",))
+        self.assertIn("by one formula", self.run_ok(*excluded, "1e5").stdout)
+        self.assertNotIn("warning", self.run_ok(*excluded, "10").stdout)
 
     def test_cuda_has_the_same_figures_or_says_what_is_missing(self):
         table = self.folder / "a.csv"
