@@ -56,7 +56,7 @@ void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per
   ExcludedSurface& s =
       report.excluded.emplace(ExcludedMeasures{probe, surface_of(found, 0), {}}).complete;
   s.per_atom = std::move(found.per_atom);
-  check_positive(s, probe);
+  check_digits(s, probe);
   warn_of_doubts(report);
   if (per_atom == Switch::off) s.per_atom.clear();
   report.note(

@@ -49,7 +49,7 @@ ExcludedMeasures measure_on_device(const SphereSet& atoms, double probe, Monitor
       make_excluded_measurer(Backend::cuda)->measure(batch_of(atoms), probe, &monitor);
   ExcludedMeasures out{probe, surface_of(found, 0), {}};
   out.complete.per_atom = std::move(found.per_atom);
-  check_positive(out.complete, probe);
+  check_digits(out.complete, probe);
   return out;
 }
 

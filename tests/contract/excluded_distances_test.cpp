@@ -23,6 +23,7 @@
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "excluded/excluded_mesher.hpp"
+#include "excluded/surface_samples.hpp"
 #include "reference/cages.hpp"
 #include "reference/excluded_distance.hpp"
 #include "support/ball_families.hpp"
@@ -344,6 +345,28 @@ TEST(ExcludedDistances, SamplesCoverTheSurfaceEvenly) {
       EXPECT_NEAR(found.mean, moment.value() / area.value(), 5 * found.mean_error + 1e-3);
     }
   }
+}
+
+// However many samples there are, some thousands are kept at a time.
+TEST(ExcludedDistances, SamplesAreTakenInParts) {
+  constexpr double kProbe = 1.4, kDensity = 1e4;
+  const SphereSet atoms({{{0, 0, 0}, 1.5}, {{2.5, 0, 0}, 1.7}});
+  const excluded::JudgedSurface surface(atoms, kProbe, ExcludedPart::complete, nullptr);
+  const ExposedSurface accessible(excluded::grown_by(atoms, kProbe));
+  const excluded::SurfaceSamples samples(surface, accessible, kProbe, kDensity, 1);
+  std::vector<Vec3d> inside, border;
+  std::size_t taken = 0, most = 0;
+  const auto take = [&] {
+    taken += inside.size();
+    most = std::max({most, inside.size(), border.size()});
+    inside.clear();
+    border.clear();
+  };
+  for (std::size_t i = 0; i < samples.element_count(); ++i) samples.add(i, inside, border, take);
+  take();
+  EXPECT_LE(most, excluded::SurfaceSamples::kTogether);
+  const double area = excluded_measures(atoms, {.probe = kProbe}).complete.area;
+  EXPECT_NEAR(static_cast<double>(taken), area * kDensity, 0.01 * area * kDensity);
 }
 
 // A mesh of the surface is near it both ways, and nearer by four when its edges are half as long.

@@ -159,20 +159,20 @@ TEST(ExcludedCrowded, HeldProbesThatOverlap) {
 // Rounding in double may leave nothing of the surface of small atoms under a large probe.
 TEST(ExcludedCrowded, SaysWhatRoundingLeavesWrong) {
   const std::vector<Vec3d> places{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
-  const auto measured = [&](double radius, double probe) {
+  const auto measured = [&](double scale, double probe) {
     std::vector<Sphere> atoms;
-    for (const Vec3d& at : places) atoms.push_back({radius * at, radius});
+    for (const Vec3d& at : places) atoms.push_back({scale * at, scale * 1.7});
     return doubts(excluded_measures(SphereSet(atoms), {.probe = probe, .per_atom = true}).complete);
   };
-  EXPECT_TRUE(measured(1.7, 1.4).empty());
-  EXPECT_TRUE(measured(1.7, 100).empty());
-  EXPECT_THROW(measured(1.7, 1e6), InvalidInput);
+  EXPECT_TRUE(measured(1, 1.4).empty());
+  EXPECT_TRUE(measured(1, 100).empty());
+  EXPECT_THROW(measured(1, 1e6), InvalidInput);
   EXPECT_THROW(measured(1e-9, 1.4), InvalidInput);
   // Of what is left at probes between them, something is right to a share that is said.
   std::size_t said = 0;
   for (double probe = 1e4; probe < 1e6; probe *= 3) {
     try {
-      said += measured(1.7, probe).empty() ? 0 : 1;
+      said += measured(1, probe).empty() ? 0 : 1;
     } catch (const InvalidInput&) {
     }
   }
