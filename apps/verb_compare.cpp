@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <numbers>
 
 #include "command_line/command_line.hpp"
 #include "compare_hints.hpp"
@@ -51,6 +52,21 @@ void measure_file(MeshFile& file, const std::string& path, SelfIntersections wan
   report.mesh->notes = file.notes;
 }
 
+// A mesh of so much more area than the spheres is in other units or of something else, and its
+// samples would take minutes to hours.
+void check_area(const std::string& path, double area, const SphereSet& spheres,
+                const DistanceChoice& choice) {
+  constexpr double kMostTimes = 100, kFewSamples = 3e7;
+  if (choice.distances == Switch::off || area * choice.samples_per_area <= kFewSamples) return;
+  double whole = 0;
+  for (const Sphere& s : spheres.spheres()) whole += 4 * std::numbers::pi * s.radius * s.radius;
+  if (area <= kMostTimes * whole) return;
+  throw LimitExceeded(
+      fmt::format("{}: its area of {:.3g} Å² is {:.3g} times that of all spheres, and takes {:.1e} "
+                  "samples: is it in Å? --distances off or fewer --samples compare it all the same",
+                  path, area, area / whole, area * choice.samples_per_area));
+}
+
 }  // namespace
 
 // Everything about the file is found out before the exact surface, which takes longer.
@@ -70,6 +86,7 @@ void run_compare(const Options& options) {
   demand.distances = options.distances.distances;
   check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
   measure_file(file, options.mesh_path, options.self_intersections, session);
+  check_area(options.mesh_path, session.report.mesh->measures.area, spheres, options.distances);
   const bool is_elsewhere = warn_of_place(mesh, spheres, session.report);
   if (excluded) {
     measure_excluded(structure.molecule, input.probe, options.exact, Switch::off, session);

@@ -282,8 +282,8 @@ std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor, Mesh
     count.fetch_add(pairs.size(), std::memory_order_relaxed);
     if (count.load(std::memory_order_relaxed) <= kMostSelfIntersections) return;
     throw LimitExceeded(fmt::format(
-        "more than {} pairs of its triangles intersect each other: do not count them, or leave out "
-        "triangles that lie where others do",
+        "more than {} pairs of triangles intersect each other: do not count self-intersections, or "
+        "leave out triangles that lie where others do",
         kMostSelfIntersections));
   });
   return count;

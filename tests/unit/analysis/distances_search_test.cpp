@@ -522,7 +522,7 @@ TEST(ExposedSurface, KeepsFewOfManyCovers) {
     for (int i = 0; i < 50; ++i) {
       Vec3d direction = place(dice, 1);
       direction = (1 / norm(direction)) * direction;
-      const Vec3d point = patch.ball.center + 50 * direction;
+      const Vec3d point = patch.ball.center + 50.0 * direction;
       double least = 1;
       for (const Sphere& s : balls) {
         if (!(s.center == patch.ball.center)) least = std::min(least, norm(point - s.center) - 50);
