@@ -24,6 +24,16 @@ namespace vdwmesh::apps {
 // the functions of the excluded surface take the probe as an argument and grow the atoms
 // themselves.
 
+namespace {
+
+void warn_of_doubts(Report& report) {
+  for (std::string& line : doubts(report.excluded->complete)) {
+    report.warnings.push_back(std::move(line));
+  }
+}
+
+}  // namespace
+
 void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
                       Switch per_atom, Session& session) {
   ExcludedOptions wanted{.probe = probe, .monitor = session.monitor};
@@ -31,12 +41,7 @@ void measure_excluded(const Molecule& molecule, double probe, const ExactOptions
   wanted.shells = options.topology == TopologyRequest::full;
   wanted.exterior = true;
   session.report.excluded = excluded_measures(to_spheres(molecule, 0), wanted);
-  const std::uint64_t doubtful = session.report.excluded->complete.checks.uncertified_patches;
-  session.report.warn_if(
-      doubtful > 0,
-      "{} concave patches of the excluded surface are not certified: area, volume "
-      "and topology may be wrong there",
-      doubtful);
+  warn_of_doubts(session.report);
   session.end_stage(&Timing::exact);
 }
 
@@ -50,12 +55,17 @@ void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per
   // `complete` is the surface with its cavities. `exterior` is left empty.
   ExcludedSurface& s =
       report.excluded.emplace(ExcludedMeasures{probe, surface_of(found, 0), {}}).complete;
-  if (per_atom == Switch::on) s.per_atom = std::move(found.per_atom);
+  s.per_atom = std::move(found.per_atom);
+  check_digits(s, probe);
+  warn_of_doubts(report);
+  if (per_atom == Switch::off) s.per_atom.clear();
   report.note(
       "cuda measured the complete surface, without its shells; the CPU decided about {} balls, {} "
       "circles, {} corners and {} concave patches{}",
       found.host_balls, found.host_circles, found.host_corners, found.host_patches,
-      found.host_sets > 0 ? ", then measured all, because a probe touches four atoms or more" : "");
+      found.host_sets > 0 ? ", then measured all, because a probe touches four atoms or more, or "
+                            "because the checks of the rest do not hold"
+                          : "");
   session.end_stage(&Timing::exact);
 }
 
@@ -137,9 +147,9 @@ std::uint64_t plan_excluded_mesh(const Structure& structure, double probe,
 namespace {
 
 // A mesh without walls of cavities may well be one of the exterior surface alone, if its topology
-// is not that of the complete one.
+// is not that of the complete one. Of an open mesh nobody knows what is a wall.
 bool may_be_exterior(const Report& report) {
-  return report.mesh->topology.voids.value_or(0) == 0 &&
+  return report.mesh->topology.voids == std::uint64_t{0} &&
          report.comparison->euler_characteristic_difference.value_or(1) != 0;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <numbers>
 
 #include "command_line/command_line.hpp"
 #include "compare_hints.hpp"
@@ -31,23 +32,39 @@ void check_file_size(const std::string& path, std::uint64_t limit) {
 }
 
 // Vertices that several triangles hold apart are merged where that closes the mesh.
-void measure_file(MeshFile& file, const std::string& path, Session& session) {
+void measure_file(MeshFile& file, const std::string& path, SelfIntersections wanted,
+                  Session& session) {
   if (file.mesh.triangle_count() == 0) {
     throw FileFormatError(path + ": holds no triangles; a triangle mesh is needed");
   }
   Report& report = session.report;
   const std::size_t notes = report.notes.size();
-  measure(file.mesh, SelfIntersections::count, session);
+  measure(file.mesh, wanted, session);
   if (!report.mesh->topology.closed &&
       weld_if_that_closes(file, session.machine.memory_limit, report)) {
     report.notes.resize(notes);
-    measure(file.mesh, SelfIntersections::count, session);
+    measure(file.mesh, wanted, session);
   }
   if (!(report.mesh->measures.area > 0)) {
     throw FileFormatError(path + ": none of its triangles has an area; it holds no surface");
   }
   report.mesh->path = path;
   report.mesh->notes = file.notes;
+}
+
+// A mesh of so much more area than the spheres is in other units or of something else, and its
+// samples would take minutes to hours.
+void check_area(const std::string& path, double area, const SphereSet& spheres,
+                const DistanceChoice& choice) {
+  constexpr double kMostTimes = 100, kFewSamples = 3e7;
+  if (choice.distances == Switch::off || area * choice.samples_per_area <= kFewSamples) return;
+  double whole = 0;
+  for (const Sphere& s : spheres.spheres()) whole += 4 * std::numbers::pi * s.radius * s.radius;
+  if (area <= kMostTimes * whole) return;
+  throw LimitExceeded(
+      fmt::format("{}: its area of {:.3g} Å² is {:.3g} times that of all spheres, and takes {:.1e} "
+                  "samples: is it in Å? --distances off or fewer --samples compare it all the same",
+                  path, area, area / whole, area * choice.samples_per_area));
 }
 
 }  // namespace
@@ -64,11 +81,12 @@ void run_compare(const Options& options) {
   session.end_stage(&Timing::read);
   const IndexedMesh& mesh = file.mesh;
   MemoryDemand demand;
-  demand.self_intersections = SelfIntersections::count;
+  demand.self_intersections = options.self_intersections;
   demand.exact = method_for_memory(options.exact);
   demand.distances = options.distances.distances;
   check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
-  measure_file(file, options.mesh_path, session);
+  measure_file(file, options.mesh_path, options.self_intersections, session);
+  check_area(options.mesh_path, session.report.mesh->measures.area, spheres, options.distances);
   const bool is_elsewhere = warn_of_place(mesh, spheres, session.report);
   if (excluded) {
     measure_excluded(structure.molecule, input.probe, options.exact, Switch::off, session);

@@ -250,7 +250,7 @@ std::vector<Option> measure_options(Draft& d) {
        by_default("10")},
       {"--seed", kDistances, one(c.seed, whole<std::uint64_t>(0, 4'294'967'295)), "of the samples",
        by_default("1")},
-      {"--self-intersections", kReport | kStudy | kBatch,
+      {"--self-intersections", kReport | kCompare | kStudy | kBatch,
        one(o.self_intersections, named<SelfIntersections>()), "count them; auto is on",
        by_default("auto")},
       {"--cgal-check", kReport | kBatch, one(o.cgal_check, named<CgalCheck>()),

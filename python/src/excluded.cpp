@@ -49,6 +49,7 @@ ExcludedMeasures measure_on_device(const SphereSet& atoms, double probe, Monitor
       make_excluded_measurer(Backend::cuda)->measure(batch_of(atoms), probe, &monitor);
   ExcludedMeasures out{probe, surface_of(found, 0), {}};
   out.complete.per_atom = std::move(found.per_atom);
+  check_digits(out.complete, probe);
   return out;
 }
 
@@ -72,6 +73,9 @@ py::tuple excluded(const py::buffer& coords, const py::buffer& radii, double pro
     return std::make_shared<const ExcludedMeasures>(
         excluded_measures(spheres_of(centers, sizes, 0), options));
   });
+  for (const std::string& line : doubts(found->complete)) {
+    if (PyErr_WarnEx(PyExc_RuntimeWarning, line.c_str(), 1) != 0) throw py::error_already_set();
+  }
   const auto& atoms = found->complete.per_atom;
   static_assert(sizeof(ExcludedAtom) == 4 * sizeof(double));
   const auto* rows = reinterpret_cast<const double*>(atoms.data());

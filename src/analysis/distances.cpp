@@ -33,6 +33,9 @@
 namespace vdwmesh {
 namespace {
 
+// Samples of a block that are kept at a time.
+constexpr std::size_t kTogether = std::size_t{1} << 14;
+
 // Distances from the surface to the mesh. Samples inside patches, with `density` points per Å²,
 // enter all statistics. Exposed points on circles, and corners, enter the maximum only. The
 // circles have √density points per Å, so neighbours on a circle are about as far apart as
@@ -45,15 +48,25 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
   begin_stage(options.monitor, "distances of the surface", blocks);
   const auto visit = [&](std::size_t block, std::size_t first, std::size_t end) {
     std::vector<Vec3d> inside, border;
+    const auto take = [&] {
+      advance(options.monitor, 0);
+      statistics.add_samples(block, inside, border, finder);
+      inside.clear();
+      border.clear();
+    };
+    const auto add = [&](std::vector<Vec3d>& points, const Vec3d& p) {
+      points.push_back(p);
+      if (points.size() >= kTogether) take();
+    };
     for (std::size_t i = first; i < end; ++i) {
       // The random stream is the rank of the sphere in canonical order, so that the samples do not
       // depend on the order of the spheres in the caller's set.
       Random random(options.seed, to_index(surface.list().rank[patches[i].place]));
-      sample_patch(patches[i], density, random, [&](const Vec3d& p) { inside.push_back(p); });
+      sample_patch(patches[i], density, random, [&](const Vec3d& p) { add(inside, p); });
       sample_border(patches[i], std::sqrt(density), random,
-                    [&](const Vec3d& p) { border.push_back(p); });
+                    [&](const Vec3d& p) { add(border, p); });
     }
-    statistics.add_samples(block, inside, border, finder);
+    take();
   };
   for_each_block(patches.size(), kPatchesPerBlock, visit, options.monitor);
   return statistics.result();

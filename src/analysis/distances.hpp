@@ -59,7 +59,8 @@ struct MeshDistances {
 // Throws InvalidInput if there are no spheres or no triangles, if a triangle names a vertex that
 // does not exist, if a vertex is not finite, if the mesh has no area, and if samples_per_area is
 // not a positive finite number. Throws LimitExceeded if more than memory_limit bytes or more than
-// 10^12 samples would be needed, and Cancelled on request of the monitor.
+// 10^12 samples would be needed, or if a mesh of more than 30,000 triangles is 65,536 times as long
+// as the balls, and Cancelled on request of the monitor.
 MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceOptions& options = {});
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/distances_statistics.hpp"
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
@@ -92,6 +93,35 @@ double density_for(double total_area, double samples_per_area) {
   return std::max(samples_per_area, kLeastSamples / total_area);
 }
 
+// The smallest box around all triangles and the balls. Vertices of no triangle are not measured.
+// The boxes of a search tree are rounded to 2^-21 of this box, so that all triangles of a molecule
+// that is a speck in it are near every query. Few may be.
+Box world_of(const IndexedMesh& mesh, const SphereSet& spheres) {
+  constexpr double kMostTimes = 1 << 16;
+  constexpr std::size_t kFew = 30'000;
+  const Box balls = bounding_box(spheres);
+  const auto longest = [](const Box& box) {
+    const Vec3d side = box.upper - box.lower;
+    return std::max({side.x, side.y, side.z});
+  };
+  const auto grow = [&](const Range& range, Box all) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t]) include(all, mesh.positions[v]);
+    return all;
+  };
+  const Box world = tbb::parallel_reduce(Range(0, mesh.triangle_count(), kGrain), balls, grow,
+                                         [](Box a, const Box& b) {
+                                           include(a, b);
+                                           return a;
+                                         });
+  if (longest(world) <= kMostTimes * longest(balls)) return world;
+  if (mesh.triangle_count() + spheres.size() <= kFew) return world;
+  throw LimitExceeded(fmt::format(
+      "mesh and molecule together are {:.3g} Å long, {:.3g} times as long as the molecule: choose "
+      "no distances; is the mesh in Å, and of this molecule?",
+      longest(world), longest(world) / longest(balls)));
+}
+
 // Returns the area of all whole spheres, Å²: the sum of 4 π r².
 double area_of(const SphereSet& spheres) {
   WideSum total;
@@ -109,12 +139,23 @@ DistancePlan plan_distances(const IndexedMesh& mesh, const SphereSet& spheres,
   check_triangles(mesh.triangles, mesh.vertex_count());
   check_points(mesh.positions, spheres, "vertex");
   check_memory(mesh, spheres.size(), options.memory_limit);
-  const double density = density_for(area_of(spheres), options.samples_per_area);
-  return {box_around(bounding_box(spheres), mesh.positions), density};
+  const double density = surface_density(spheres, options);
+  return {world_of(mesh, spheres), density};
+}
+
+double surface_density(const SphereSet& spheres, const DistanceOptions& options) {
+  return density_for(area_of(spheres), options.samples_per_area);
 }
 
 AreaStrata plan_mesh_samples(double area, const DistanceOptions& options) {
   const double samples = std::ceil(area * density_for(area, options.samples_per_area));
+  const double bytes = samples / kDistancesPerBlock * sizeof(DistanceSums);
+  if (bytes > static_cast<double>(options.memory_limit)) {
+    throw LimitExceeded(fmt::format(
+        "the sums over {:.3g} samples on {:.3g} Å² of the mesh need {:.3g} bytes, {} are allowed: "
+        "choose fewer samples per Å² or no distances; is the mesh in Å?",
+        samples, area, bytes, options.memory_limit));
+  }
   return {area, static_cast<std::uint64_t>(samples), options.seed};
 }
 

@@ -13,9 +13,9 @@ inline constexpr std::size_t kDistancesPerBlock = 2048;
 inline constexpr std::size_t kPatchesPerBlock = 8;
 
 struct DistancePlan {
-  // The bounding box of mesh and balls together. Both search trees use it, because a BoxTree needs
-  // a box around its primitives and all queries, and the queries of each tree are points of the
-  // other object: mesh points ask for the nearest patch, and points of spheres for the nearest
+  // The bounding box of triangles and balls together. Both search trees use it, because a BoxTree
+  // needs a box around its primitives and all queries, and the queries of each tree are points of
+  // the other object: mesh points ask for the nearest patch, and points of spheres for the nearest
   // triangle.
   Box world;
   double surface_density;  // samples per Å² on the spheres
@@ -34,6 +34,9 @@ void check_points(std::span<const Vec3d> points, const SphereSet& spheres, const
 
 // The smallest box around the points and `box`.
 Box box_around(Box box, std::span<const Vec3d> points);
+
+// Samples per Å² on a surface of these spheres. Throws as distances() says.
+double surface_density(const SphereSet& spheres, const DistanceOptions& options);
 
 // Puts the two directions together.
 MeshDistances both_ways(const DistanceStatistics& mesh_to_surface,

@@ -3,7 +3,8 @@
 // Construction treats every sphere by itself, on all cores (PatchBuilder):
 //  1. Find the covers of the sphere, the caps that neighbours from the cell list cut from it. If a
 //     neighbour contains the ball, the sphere has no patch.
-//  2. Sort the covers by decreasing size and drop caps that lie within others.
+//  2. Sort the covers by decreasing size and drop caps that lie within others, and of many covers
+//     first those that others cover together.
 //  3. Intersect the circles of every two covers. An intersection that no third cap covers is a
 //     corner, and both circles have exposed arcs there.
 //  4. A circle without corners is exposed as a whole or not at all; one of its points decides.
@@ -19,6 +20,7 @@
 #include <limits>
 
 #include "arrangement/arcs/ball_caps.hpp"
+#include "arrangement/arcs/power_cell.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
@@ -33,6 +35,10 @@ constexpr double kParallel = 1e-18;
 // A cap is dropped only if it lies within a larger one by this margin in the cosine, about 90
 // roundings. Keeping a nested cap is always correct; dropping it only saves time.
 constexpr double kNested = 1e-14;
+
+// So many covers are dropped first where others cover them together: balls grown by a large probe
+// have thousands of covers, of which some ten are left.
+constexpr std::size_t kManyCovers = 128;
 
 // Covers every direction: the cosine is below that of any.
 constexpr Cover kCoversAll{{{0, 0, 1}, -2}, kNoPlace};
@@ -109,6 +115,7 @@ class PatchBuilder {
     for (std::size_t i = 0; i < caps_.caps().size(); ++i)
       covers_.push_back({caps_.caps()[i], caps_.neighbors()[i]});
     std::sort(covers_.begin(), covers_.end(), comes_first);
+    if (covers_.size() > kManyCovers) drop_redundant();
     drop_nested(covers_);
     find_corners(place);
     find_whole_circles();
@@ -131,6 +138,18 @@ class PatchBuilder {
   }
 
  private:
+  // Drops caps whose planes cut nothing from the power cell of the sphere: what they cover, others
+  // cover too. Precondition: the covers are sorted by comes_first().
+  void drop_redundant() {
+    cell_.reset();
+    std::size_t kept = 0;
+    for (const Cover& cover : covers_) {
+      if (cell_.empty() || cell_.reach() <= cover.cap.cosine) break;
+      if (cell_.cut(cover.cap)) covers_[kept++] = cover;
+    }
+    covers_.resize(kept);
+  }
+
   // Finds the corners among the intersections of every two circles.
   void find_corners(ListPlace place) {
     corners_.clear();
@@ -190,6 +209,7 @@ class PatchBuilder {
 
   const CellListView& list_;
   arcs::BallCaps caps_;
+  arcs::PowerCell cell_;
   std::vector<Cover> covers_;
   std::vector<Corner> corners_;
   // For each element of covers_: 1 if its circle has exposed arcs. Complete after

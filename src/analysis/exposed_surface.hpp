@@ -22,7 +22,8 @@ class ExposedSurface {
   // Precondition: `spheres` is not empty. Spheres without exposed points have no patch; of equal
   // balls the one with the lowest id has the patch. For a sphere with n covers the circles of all
   // n² / 2 pairs are intersected. Each intersection is compared with caps until one covers it:
-  // mostly one of the first, because large caps come first, and at worst all n.
+  // mostly one of the first, because large caps come first, and at worst all n. Where n is large,
+  // covers that others cover together are left out before, in the time of a power cell.
   explicit ExposedSurface(const SphereSet& spheres, Monitor* monitor = nullptr);
   ExposedSurface(const ExposedSurface&) = delete;
   ExposedSurface& operator=(const ExposedSurface&) = delete;

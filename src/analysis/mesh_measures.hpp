@@ -104,7 +104,7 @@ constexpr double extrapolate_second_order(double coarse, double fine) {
 // edge. Vertices are shared by index: triangles that touch in equal positions intersect. Triangles
 // of area 0 are left out. The count is exact for all finite coordinates: the signs of volumes are
 // computed in double where an error bound proves them, else by CGAL's exact predicates. Throws
-// Cancelled if the monitor asks for it.
+// Cancelled if the monitor asks for it, and LimitExceeded where more than ten million intersect.
 //
 // If the edges are known to be paired, most neighbours need no search. Then the mesh must be closed
 // and oriented, as topology() finds. If a grid is given on which marching cubes may have made the

@@ -9,6 +9,7 @@
 // exact predicates. The unit of work is one bottom node of the tree, called home: its 32 triangles
 // are paired with each other and with those of every bottom node behind it whose box overlaps. So
 // each pair is found once, by one thread, and the result does not depend on the number of threads.
+#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
@@ -26,6 +27,7 @@
 #include "analysis/facet_tree.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "core/blocks.hpp"
+#include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/lane_masks.hpp"
 #include "core/multiversion.hpp"
@@ -36,6 +38,7 @@ namespace {
 
 constexpr std::size_t kWidth = FacetTree::kWidth;
 constexpr std::size_t kNodesPerBlock = 64;
+constexpr std::uint64_t kMostSelfIntersections = 10'000'000;  // counted in some 15 s
 
 // The corners with a star of a leaf that is a patch, or kNone.
 using LeafStars = std::array<std::uint32_t, 3>;
@@ -277,6 +280,11 @@ std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor, Mesh
   std::atomic<std::uint64_t> count{0};
   search(mesh, edges, grid, monitor, [&](const TrianglePairs& pairs) {
     count.fetch_add(pairs.size(), std::memory_order_relaxed);
+    if (count.load(std::memory_order_relaxed) <= kMostSelfIntersections) return;
+    throw LimitExceeded(fmt::format(
+        "more than {} pairs of triangles intersect each other: do not count self-intersections, or "
+        "leave out triangles that lie where others do",
+        kMostSelfIntersections));
   });
   return count;
 }

@@ -1,5 +1,5 @@
 // Sine and cosine, for host and device, with the same bits on both and on every version of the C
-// library.
+// library. Arc tangents, and the sines of other files, are still those of the C library.
 //
 // The nearest multiple n of pi / 2 is taken off the angle, in two steps with fused multiply-adds;
 // then Taylor's series are summed for |x| <= pi / 4. The first terms left out are x^19 / 19! <

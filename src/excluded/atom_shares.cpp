@@ -5,10 +5,16 @@
 // that is nearest to it. Parts of the bisecting circles bound the shares too. With three atoms all
 // these circles run through z, the point that is equally far from the three, so their fans have no
 // area. With more atoms the parts that lie in the patch are found, and their fans are added.
+//
+// Fans give the area of a region only if the point opposite to z is outside of it. That point may
+// be in the patch if the patch is a half-sphere or larger, as that of a probe that its atoms hold
+// from all sides. Then z is taken opposite to the point of contact with an atom, which is inside of
+// that atom's share, and the whole sphere is added to this share.
 #include "excluded/atom_shares.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "arrangement/directions.hpp"
 #include "excluded/cap_arrangement.hpp"
@@ -17,6 +23,9 @@
 
 namespace vdwmesh::excluded {
 namespace {
+
+// A whole sphere is missing where fans do not give an area, and otherwise rounding.
+constexpr double kWhole = 1e-3;
 
 class ShareFinder {
  public:
@@ -32,8 +41,7 @@ class ShareFinder {
 
   std::vector<AtomShare> find() && {
     if (shares_.empty()) return {};
-    for (const PatchSegment& s : patch_.segments) add_segment(arc_of(s));
-    if (shares_.size() > 3) add_bisectors();
+    if (!add_fans()) turn_apex();
     for (std::size_t i = 0; i < shares_.size(); ++i) {
       shares_[i].cones = (shares_[i].solid_angle + flat_cones(i)) / 3;
     }
@@ -51,6 +59,33 @@ class ShareFinder {
         touch_.push_back(unit(surface_.between(probe, v)));
       }
     }
+  }
+
+  // How far the shares are from the whole patch in sum.
+  double missing() const {
+    double sum = 0;
+    for (const PatchPiece& piece : patch_.pieces) sum += piece.solid_angle;
+    for (const AtomShare& share : shares_) sum -= share.solid_angle;
+    return sum;
+  }
+
+  // Whether the shares make up the patch.
+  bool add_fans() {
+    for (const PatchSegment& s : patch_.segments) add_segment(arc_of(s));
+    if (shares_.size() > 3) add_bisectors();
+    return std::abs(missing()) < kWhole;
+  }
+
+  // If no apex makes the shares whole, they stay as they were first.
+  void turn_apex() {
+    const std::vector<AtomShare> first = shares_;
+    for (std::size_t k = 0; k < touch_.size(); ++k) {
+      for (AtomShare& share : shares_) share.solid_angle = 0;
+      apex_ = -1.0 * touch_[k];
+      shares_[k].solid_angle = 4 * std::numbers::pi;
+      if (add_fans()) return;
+    }
+    shares_ = first;
   }
 
   // The vector from the point of contact with atom j to that with atom i, at right angles to the

@@ -51,6 +51,13 @@ VDWMESH_HD Vec3d to_vec(const Vector<T>& v) {
   return {to_double(v.x), to_double(v.y), to_double(v.z)};
 }
 
+// Other number types specialize it where theirs is slow.
+template <class T>
+VDWMESH_HD T root_of(const T& x) {
+  using std::sqrt;
+  return sqrt(x);
+}
+
 template <class T>
 struct CapCircle {
   Vector<T> axis, first, second;  // orthonormal, right-handed
@@ -61,20 +68,18 @@ struct CapCircle {
 // cosine, but for its sign, of a sine.
 template <class T>
 VDWMESH_HD T circle_radius(const T& x) {
-  using std::sqrt;
   const T square = (T(1) - x) * (T(1) + x);
-  return square > T(0) ? T(sqrt(square)) : T(0);
+  return square > T(0) ? root_of(square) : T(0);
 }
 
 template <class T>
 VDWMESH_HD CapCircle<T> cap_circle(const Vector<T>& axis, const T& cosine) {
   using std::abs;
-  using std::sqrt;
   const T x = abs(axis.x), y = abs(axis.y), z = abs(axis.z);
   Vector<T> far{T(0), T(0), T(0)};
   (x <= y && x <= z ? far.x : (y <= z ? far.y : far.z)) = T(1);
   Vector<T> first = cross(axis, far);
-  const T scale = T(1) / sqrt(dot(first, first));
+  const T scale = T(1) / root_of(T(dot(first, first)));
   first = {scale * first.x, scale * first.y, scale * first.z};
   return {axis, first, cross(axis, first), cosine};
 }
@@ -132,16 +137,15 @@ enum class Overlap { none, crossing, whole };
 template <class T>
 VDWMESH_HD Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
                                 Covered<T>& part, double& margin) {
-  using std::sqrt;
   // In the letters of the head, with c as circle i: d, c, q, |c|², t and g².
   const Vector<T> apart = combination(T(1), j.axis, T(-1), c.axis), side = cross(c.axis, apart);
   const T q = dot(apart, apart) / T(2), squared_sine = dot(side, side);
   const T toward = (j.cosine - c.cosine) + q * c.cosine;
   const T gram = (T(1) - c.cosine) * (T(1) + c.cosine) * squared_sine - toward * toward;
-  const double change = 2 * (std::abs(to_double(toward)) + to_double(T(sqrt(squared_sine))));
+  const double change = 2 * (std::abs(to_double(toward)) + std::sqrt(to_double(squared_sine)));
   margin = std::min(margin, change > 0 ? std::abs(to_double(gram)) / change : 0);
   if (!(gram > T(0))) return toward < T(0) ? Overlap::whole : Overlap::none;
-  const T root = sqrt(gram), scale = T(1) / squared_sine, half_chord = root * scale;
+  const T root = root_of(gram), scale = T(1) / squared_sine, half_chord = root * scale;
   const double slide = 2 / to_double(root);
   const Vector<T> across = combination(T(1), apart, q, c.axis);
   const Vector<T> middle = combination(c.cosine, c.axis, T(toward * scale), across);

@@ -35,11 +35,29 @@ DistanceStatistics from_surface(const SurfaceSamples& samples, const MeshFinder&
   begin_stage(monitor, "distances of the surface", blocks);
   const auto visit = [&](std::size_t block, std::size_t first, std::size_t end) {
     std::vector<Vec3d> inside, border;
-    for (std::size_t i = first; i < end; ++i) samples.add(i, inside, border);
-    statistics.add_samples(block, inside, border, finder);
+    const auto take = [&] {
+      advance(monitor, 0);
+      statistics.add_samples(block, inside, border, finder);
+      inside.clear();
+      border.clear();
+    };
+    for (std::size_t i = first; i < end; ++i) samples.add(i, inside, border, take);
+    take();
   };
   for_each_block(elements, kElementsPerBlock, visit, monitor);
   return statistics.result();
+}
+
+// The lattice of a concave patch goes over the whole sphere of its probe.
+void check_lattices(std::size_t probes, double probe, double density) {
+  constexpr double kMostPoints = 1e11;  // take minutes
+  const double points = static_cast<double>(probes) * 2 * kTwoPi * probe * probe * density;
+  if (points <= kMostPoints) return;
+  throw LimitExceeded(
+      fmt::format("{} spheres of a probe of {:.3g} Å have {:.1e} places for samples, {:.0e} are "
+                  "allowed: choose "
+                  "at most {:.3g} samples per Å² or no distances",
+                  probes, probe, points, kMostPoints, density * kMostPoints / points));
 }
 
 void check_bytes(const IndexedMesh& mesh, std::size_t atoms, std::uint64_t limit) {
@@ -77,8 +95,11 @@ MeshDistances excluded_distances(const IndexedMesh& mesh, const SphereSet& atoms
   const SphereSet grown = excluded::grown_by(atoms, probe);
   const DistancePlan plan = plan_distances(mesh, grown, options);
   check_bytes(mesh, atoms.size(), options.memory_limit);
+  // The surface is about as large as that of the atoms, however large the probe.
+  const double density = surface_density(atoms, options);
   begin_stage(options.monitor, "excluded surface", 1);
   const JudgedSurface surface(atoms, probe, part, options.monitor);
+  check_lattices(surface.grown.surface.probes.size(), probe, density);
   const ExposedSurface accessible(grown, options.monitor);
   DistanceStatistics of_mesh{};
   {
@@ -94,7 +115,7 @@ MeshDistances excluded_distances(const IndexedMesh& mesh, const SphereSet& atoms
     };
     of_mesh = mesh_to_surface(mesh, {find, largest}, options);
   }
-  const SurfaceSamples samples(surface, accessible, probe, plan.surface_density, options.seed);
+  const SurfaceSamples samples(surface, accessible, probe, density, options.seed);
   const DistanceStatistics of_surface =
       from_surface(samples, MeshFinder(mesh, plan.world), options.monitor);
   return both_ways(of_mesh, of_surface, options.seed);

@@ -1,7 +1,7 @@
 // The CPU's ExcludedMeasurer, and the sums of rows that a device makes.
 //
 // A set's rows prove themselves by what they sum to: the surface is closed, each crease is found
-// from both of its probes, and the Euler characteristic is even.
+// from both of its probes, the Euler characteristic is even, and both volumes are the same.
 #include "excluded/excluded_measurer.hpp"
 
 #include <fmt/format.h>
@@ -19,6 +19,8 @@ namespace {
 
 // A missing arc or patch leaves a hole far larger than this share of the area.
 constexpr double kClosed = 1e-9;
+// The two volumes of a set agree to this share of them.
+constexpr double kSameVolume = 1e-6;
 
 struct SetSum {
   WideSum contact, saddle, concave, volume, contact_layer, saddle_layer, x, y, z, flux;
@@ -67,7 +69,8 @@ struct SetSum {
     return t;
   }
   bool is_proved(const ExcludedTotals& t) const {
-    return creases == 0 && sixths % 12 == 0 && t.closure < kClosed;
+    return creases == 0 && sixths % 12 == 0 && t.closure < kClosed && t.area > 0 &&
+           std::abs(t.check_volume - t.volume) < kSameVolume * t.volume;
   }
 };
 
@@ -97,7 +100,8 @@ void measure_set(ExcludedBatch& result, const SphereBatch& atoms, std::size_t se
                         s.counts,
                         s.checks.closure,
                         s.checks.check_volume,
-                        s.checks.uncertified_patches};
+                        s.checks.uncertified_patches,
+                        s.checks.extended_decisions};
 }
 
 BallRow* rows_of(ExcludedBatch& result, const SphereBatch& atoms) {
@@ -118,7 +122,7 @@ void sum_sets(ExcludedBatch& result, const SphereBatch& atoms, double probe,
   result.totals.resize(atoms.set_count());
   result.host_circles = sums.host_circles;
   result.host_corners = sums.host_corners;
-  result.host_patches = sums.host_patches;
+  result.host_patches = 0;
   result.host_sets = 0;
   for (std::size_t set = 0; set < atoms.set_count(); ++set) {
     SetSum sum;
@@ -126,6 +130,8 @@ void sum_sets(ExcludedBatch& result, const SphereBatch& atoms, double probe,
       sum.add(sums.chunks[i]);
     }
     result.totals[set] = sum.totals(grown[set]);
+    result.totals[set].extended_decisions = sums.host_patches[set];
+    result.host_patches += sums.host_patches[set];
     if (sums.failed[set] == 0 && sum.is_proved(result.totals[set])) continue;
     ++result.host_sets;
     measure_set(result, atoms, set, probe, monitor);
@@ -168,7 +174,7 @@ ExcludedSurface surface_of(const ExcludedBatch& batch, std::size_t set) {
   s.accessible_volume = t.accessible_volume;
   s.euler_characteristic = t.euler_characteristic;
   s.counts = t.counts;
-  s.checks = {t.closure, t.check_volume, batch.host_patches, 0, t.uncertified_patches};
+  s.checks = {t.closure, t.check_volume, t.extended_decisions, 0, t.uncertified_patches};
   return s;
 }
 

@@ -30,6 +30,8 @@ struct ExcludedTotals {
   // and the check is the flux.
   double closure, check_volume;
   std::uint64_t uncertified_patches;
+  // On a device: the concave patches that it left to the host.
+  std::uint64_t extended_decisions;
 };
 
 struct ExcludedBatch {
@@ -43,8 +45,7 @@ struct ExcludedBatch {
   std::string fallback;  // why the CPU measured what was meant for a device; empty if it did not
 };
 
-// A set's totals in the form of excluded_measures(), without shells and atoms. Its
-// `extended_decisions` are the concave patches of the whole batch that a device left to the host.
+// A set's totals in the form of excluded_measures(), without shells and atoms.
 ExcludedSurface surface_of(const ExcludedBatch& batch, std::size_t set);
 
 class ExcludedMeasurer {

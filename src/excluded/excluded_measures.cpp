@@ -7,6 +7,8 @@
 // along the segments from each point of the accessible surface to the points of contact below it.
 #include "excluded/excluded_measures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -324,6 +326,38 @@ ExcludedMeasures measure_certified(const SphereSet& atoms, const ExcludedOptions
 
 }  // namespace
 
+namespace {
+
+// Shares of the area and of the volume that the checks of a sound surface may miss: the digits
+// that a report prints. Rounding leaves some 1e-12 of them.
+constexpr double kSound = 1e-6;
+// No digit of a volume is right where two formulas differ by more than this share of it.
+constexpr double kLost = 0.1;
+// More than rounding does to the shares of a surface whose other checks hold.
+constexpr double kRounding = 1e-3;
+// Of the integral of the curvature over 2 π, which is even.
+constexpr double kSoundCurvature = 1e-3;
+
+// How far the sums of the atoms' shares are from the parts of the area and from the volume,
+// relative to the whole; 0 without shares.
+double missing_share(const ExcludedSurface& s) {
+  if (s.per_atom.empty()) return 0;
+  WideSum contact, saddle, concave, volume;
+  for (const ExcludedAtom& atom : s.per_atom) {
+    contact.add(atom.area.contact);
+    saddle.add(atom.area.saddle);
+    concave.add(atom.area.concave);
+    volume.add(atom.volume);
+  }
+  const ByPatchKind& whole = s.area_by_kind;
+  const double area =
+      std::max({std::abs(contact.value() - whole.contact), std::abs(saddle.value() - whole.saddle),
+                std::abs(concave.value() - whole.concave)});
+  return std::max(area / s.area, std::abs(volume.value() / s.volume - 1));
+}
+
+}  // namespace
+
 ShellFigures shell_figures(const ExcludedTopology& topology) {
   ShellFigures sum{};
   for (const ExcludedShell& shell : topology.shells) {
@@ -335,13 +369,57 @@ ShellFigures shell_figures(const ExcludedTopology& topology) {
   return sum;
 }
 
+void check_digits(const ExcludedSurface& surface, double probe) {
+  const auto is_positive = [](double value) { return value > 0 && std::isfinite(value); };
+  const ExcludedChecks& checks = surface.checks;
+  const bool is_lost = checks.uncertified_patches == 0 &&
+                       !(std::abs(checks.check_volume / surface.volume - 1) < kLost);
+  if (is_positive(surface.area) && is_positive(surface.volume) && !is_lost) return;
+  throw InvalidInput(fmt::format(
+      "rounding in double leaves nothing of the excluded surface: its area is {:.3g} Å², and its "
+      "volume {:.3g} Å³ by one formula and {:.3g} by another: atoms are too small beside a probe "
+      "of {:.3g} Å",
+      surface.area, surface.volume, checks.check_volume, probe));
+}
+
+std::vector<std::string> doubts(const ExcludedSurface& s) {
+  std::vector<std::string> lines;
+  const auto doubt_if = [&]<class... Values>(bool holds, fmt::format_string<Values...> text,
+                                             Values&&... values) {
+    if (holds) lines.push_back(fmt::format(text, std::forward<Values>(values)...));
+  };
+  doubt_if(s.checks.uncertified_patches > 0,
+           "{} concave patches of the excluded surface are not certified: area, volume and "
+           "topology may be wrong there",
+           s.checks.uncertified_patches);
+  doubt_if(!(s.checks.closure <= kSound),
+           "the excluded surface is not closed by {:.1e} of its area, which may be as wrong: the "
+           "probe is too large for these atoms, or rounding decided about one",
+           s.checks.closure);
+  const double apart = std::abs(s.checks.check_volume / s.volume - 1);
+  doubt_if(!(apart <= kSound),
+           "the volume of the excluded solid is {:.6g} Å³ by one formula and {:.6g} by another: "
+           "the probe is too large for these atoms, or rounding decided about one",
+           s.volume, s.checks.check_volume);
+  const double residual = s.topology ? s.topology->gauss_bonnet_residual : 0;
+  doubt_if(!(residual <= kSoundCurvature),
+           "the curvature of a shell is {:.1e} off its Euler characteristic, which may be wrong",
+           residual);
+  const double missing = missing_share(s);
+  doubt_if(!(missing <= kSound), "the shares of atoms in the excluded surface miss {:.1e} of it",
+           missing);
+  return lines;
+}
+
 ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options) {
   begin_stage(options.monitor, "excluded surface", 1);
   ExcludedMeasures out = measure_certified(atoms, options);
   advance(options.monitor, 1);
-  for (const double value : {out.complete.area, out.complete.volume}) {
-    if (!std::isfinite(value)) throw InvalidInput("a measure is not finite in double");
-  }
+  check_digits(out.complete, options.probe);
+  if (out.exterior) check_digits(*out.exterior, options.probe);
+  const std::vector<std::string> found = doubts(out.complete);
+  if (found.size() == 1 && !(missing_share(out.complete) <= kRounding))
+    throw InternalError(found[0]);
   return out;
 }
 

@@ -24,6 +24,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/monitor.hpp"
@@ -163,8 +164,16 @@ struct ExcludedMeasures {
 
 // Measures the solvent-excluded surface of the balls `atoms` (radii without the probe). Results do
 // not depend on the number of threads. Throws InvalidInput for an empty set, a probe that is not
-// above 0 or not finite, or a grown ball that no SphereSet accepts, or if a measure is not finite
-// in double; LimitExceeded as triangulate() does; and Cancelled.
+// above 0 or not finite, or a grown ball that no SphereSet accepts, and as check_digits() does;
+// LimitExceeded as triangulate() does; InternalError if the shares of atoms do not make up a
+// surface of which doubts() says nothing else; and Cancelled.
 ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options = {});
+
+// What the checks of a surface find wrong with it, a line for each; empty if all is well.
+std::vector<std::string> doubts(const ExcludedSurface& surface);
+
+// Throws InvalidInput if area and volume are not finite and above 0, as those of any solid are, or
+// if two formulas for the volume of a certified surface differ by a tenth of it.
+void check_digits(const ExcludedSurface& surface, double probe);
 
 }  // namespace vdwmesh

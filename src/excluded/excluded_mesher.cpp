@@ -428,6 +428,12 @@ void check_topology(const IndexedMesh& mesh, const ShellTable& exact) {
   for (const ExcludedShell& s : exact.shells) wanted.euler_characteristic += s.euler_characteristic;
   const SurfaceTopology found = surface_topology(mesh);
   if (found == wanted && exact.unmatched_patches == 0) return;
+  if (found == wanted) {
+    throw LimitExceeded(
+        fmt::format("the excluded surface has no mesh: {} of its concave patches do not fit their "
+                    "neighbours, so that its topology is not certain",
+                    exact.unmatched_patches));
+  }
   throw LimitExceeded(fmt::format(
       "the excluded surface has no mesh: χ would be {} in {} shells and should be {} in {}",
       found.euler_characteristic, found.shells, wanted.euler_characteristic, wanted.shells));

@@ -95,12 +95,19 @@ JudgedSurface::JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart 
     if (arc.spindle) add_cusps(arc);
     arcs.push_back(in_place(arc));
   }
+  for (const Probe& held : grown.surface.probes) {
+    if (held.side_count == 0 && included[held.component] != 0) arcs.push_back(place_of(held));
+  }
   if (std::ranges::find(included, 0) != included.end()) classify_balls();
 }
 
 CircleArc JudgedSurface::in_place(const RolledArc& arc) const {
   const Vec3d start = arc.is_ring() ? any_orthogonal(arc.axis) : arc.radial[0];
   return {in_angstrom(arc.center), arc.axis, start, unit * arc.circle_radius, arc.angle};
+}
+
+CircleArc JudgedSurface::place_of(const Probe& held) const {
+  return {in_angstrom(held.center), {0, 0, 1}, {1, 0, 0}, 0, kTurn};
 }
 
 void JudgedSurface::classify_balls() {
@@ -116,12 +123,20 @@ void JudgedSurface::classify_balls() {
     pieces_[grown.triangulation.ids[ball]] =
         has[ball][0] ? Pieces::some_included : Pieces::all_included;
   }
+  const auto add_border = [&](std::uint32_t ball, const CircleArc& arc, bool is_included) {
+    const SphereId id = grown.triangulation.ids[ball];
+    if (pieces_[id] == Pieces::some_included) borders_[id].push_back({arc, is_included});
+  };
   for (const RolledArc& arc : s.arcs) {
     if (arc.dropped) continue;
-    for (const std::uint32_t ball : arc.ball) {
-      const SphereId id = grown.triangulation.ids[ball];
-      if (pieces_[id] != Pieces::some_included) continue;
-      borders_[id].push_back({in_place(arc), includes(arc)});
+    for (const std::uint32_t ball : arc.ball) add_border(ball, in_place(arc), includes(arc));
+  }
+  for (const Probe& held : s.probes) {
+    if (held.side_count > 0) continue;
+    for (const CornerIndex c : s.corners_of(held)) {
+      for (const std::uint32_t ball : s.triangle_of(c).vertices) {
+        add_border(ball, place_of(held), included[held.component] != 0);
+      }
     }
   }
 }

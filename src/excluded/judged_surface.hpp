@@ -12,7 +12,8 @@
 
 namespace vdwmesh::excluded {
 
-// An arc of a circle: of a crease, of the accessible surface, or of radius 0, which is a cusp.
+// An arc of a circle: of a crease, of the accessible surface, or of radius 0, which is a cusp or
+// the place of a probe that cannot roll.
 // Lengths in Å.
 class CircleArc {
  public:
@@ -50,7 +51,8 @@ struct JudgedSurface {
   std::vector<ConcavePatch> cut;      // of low probes, by probe, ascending
   std::vector<std::uint32_t> cut_of;  // by probe: the place in `cut`; kNoIndex: it is whole
   std::vector<CircleArc> curves;      // creases and cusps
-  std::vector<CircleArc> arcs;        // on which the included probes roll
+  // On which the included probes roll, and of radius 0 the places of those that atoms hold.
+  std::vector<CircleArc> arcs;
 
   bool includes(const RolledArc& arc) const { return grown.surface.counts(arc, included); }
   bool includes_all() const { return pieces_.empty(); }
@@ -71,6 +73,7 @@ struct JudgedSurface {
     bool included;
   };
   CircleArc in_place(const RolledArc& arc) const;
+  CircleArc place_of(const Probe& held) const;  // of radius 0
   void classify_balls();
   bool has_certified_patch(std::uint32_t probe) const;
   void add_creases(const ConcavePatch& patch);

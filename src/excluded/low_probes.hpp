@@ -11,8 +11,17 @@
 
 namespace vdwmesh::excluded {
 
-// A grid of cells as wide as the diameter of a probe. The cells are sorted, and numbered by
-// doubles, which no extent of coordinates overflows.
+// Calls visit(number) for the cell of this number along an axis and for those beside it. Cells are
+// numbered by doubles, which no extent of coordinates overflows. Beyond 2^53 one more is the same
+// number, which is then visited once.
+template <class Visit>
+void visit_cells_beside(double home, const Visit& visit) {
+  if (home - 1 < home) visit(home - 1);
+  visit(home);
+  if (home + 1 > home) visit(home + 1);
+}
+
+// A grid of cells as wide as the diameter of a probe. The cells are sorted.
 class LowProbes {
  public:
   // Takes the low ones of the probes for which included[component] is set.
@@ -45,16 +54,16 @@ template <class Visit>
 void LowProbes::near(std::uint32_t probe, const Visit& visit) const {
   const Probe& self = surface_.probes[probe];
   const Cell home = cell_of(self.center);
-  for (double z = home[0] - 1; z <= home[0] + 1; ++z) {
-    for (double y = home[1] - 1; y <= home[1] + 1; ++y) {
+  visit_cells_beside(home[0], [&](double z) {
+    visit_cells_beside(home[1], [&](double y) {
       const Cell last{z, y, home[2] + 1};
       const Entry* const end = entries_.data() + entries_.size();
       for (const Entry* e = first_from({z, y, home[2] - 1}); e != end && e->cell <= last; ++e) {
         const Vec3d apart = surface_.between(self, surface_.probes[e->probe]);
         if (e->probe != probe && squared_norm(apart) < width_ * width_) visit(e->probe);
       }
-    }
-  }
+    });
+  });
 }
 
 }  // namespace vdwmesh::excluded

@@ -47,7 +47,7 @@ class WidePatch {
   CapCircle<WideFloat> circle_of(PatchCap& cap) {
     const WideVector apart =
         difference(wide_corner(surface_, surface_.probes[cap.probe].corner), center_);
-    const WideFloat distance = sqrt(dot(apart, apart));
+    const WideFloat distance = root_of(WideFloat(dot(apart, apart)));
     if (distance < kSamePlace) {
       patch_.certified = false;
       return cap_circle(vector_in<WideFloat>(cap.axis), WideFloat(cap.cosine));
@@ -66,12 +66,12 @@ class WidePatch {
     const WideCircle circle = wide_circle(balls[arc.ball[0]], balls[arc.ball[1]]);
     const WideVector inwards = difference(circle.center, center_);
     const WideVector across = cross(inwards, circle.axis);
-    const WideFloat length = sqrt(dot(across, across));
+    const WideFloat length = root_of(WideFloat(dot(across, across)));
     const bool at_end = side.end == ArcEnd::end;
     SideCircle<WideFloat> out{scaled((at_end ? 1 : -1) / length, across), {}};
     side.inward = to_vec(out.inward);
     if (!side.spindle) return out;
-    const WideFloat cusp = sqrt(p_ * p_ - circle.squared_radius);
+    const WideFloat cusp = root_of(WideFloat(p_ * p_ - circle.squared_radius));
     for (std::size_t k = 0; k < 2; ++k) {
       const std::size_t place = at_end ? k : 1 - k;  // of ball k, as in the side
       out.cusp[place] = scaled(1 / p_, combination(WideFloat(1), inwards,
@@ -88,6 +88,17 @@ class WidePatch {
 };
 
 }  // namespace
+
+template <>
+WideFloat root_of(const WideFloat& x) {
+  const double rounded = to_double(x);
+  if (!std::isnormal(rounded) || rounded < 0) return sqrt(x);
+  // 53 digits of the inverse root become 105, then 209. The last step doubles those of the root.
+  WideFloat inverse = 1 / std::sqrt(rounded);
+  for (int step = 0; step < 2; ++step) inverse += inverse * (1 - x * inverse * inverse) / 2;
+  const WideFloat root = x * inverse;
+  return root + inverse * (x - root * root) / 2;
+}
 
 PatchCircles<double> circles_in_double(const ConcavePatch& patch) {
   PatchCircles<double> out;

@@ -8,12 +8,14 @@
 // are one point to all digits are gathered even then.
 #include "excluded/short_arcs.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
 
 #include "core/disjoint_sets.hpp"
+#include "excluded/low_probes.hpp"
 #include "excluded/wide_probes.hpp"
 
 namespace vdwmesh::excluded {
@@ -65,18 +67,20 @@ class CornerClusters {
     const Vec3d at = place(corner);
     const Cell home = cell_of(at);
     const std::uint32_t own = cluster_.find(name(corner));
-    for (double x = home[0] - 1; x <= home[0] + 1; ++x) {
-      for (double y = home[1] - 1; y <= home[1] + 1; ++y) {
-        for (double z = home[2] - 1; z <= home[2] + 1; ++z) {
-          const auto cell = cells_.find({x, y, z});
-          if (cell == cells_.end()) continue;
-          for (const std::uint32_t c : cell->second) {
-            if (cluster_.find(c) != own && norm(place(c) - at) < kClose) return true;
-          }
-        }
-      }
-    }
-    return false;
+    bool found = false;
+    const auto look_in = [&](const Cell& number) {
+      const auto cell = cells_.find(number);
+      if (found || cell == cells_.end()) return;
+      found = std::any_of(cell->second.begin(), cell->second.end(), [&](std::uint32_t c) {
+        return cluster_.find(c) != own && norm(place(c) - at) < kClose;
+      });
+    };
+    visit_cells_beside(home[0], [&](double x) {
+      visit_cells_beside(home[1], [&](double y) {
+        visit_cells_beside(home[2], [&](double z) { look_in({x, y, z}); });
+      });
+    });
+    return found;
   }
 
   const AccessibleSurface& surface_;

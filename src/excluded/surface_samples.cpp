@@ -66,23 +66,23 @@ std::size_t SurfaceSamples::element_count() const {
 }
 
 void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& inside,
-                         std::vector<Vec3d>& border) const {
+                         std::vector<Vec3d>& border, const std::function<void()>& take) const {
+  const Sink sink{inside, border, take};
   const AccessibleSurface& s = surface_.grown.surface;
   const Random random(seed_, element);
-  if (element < contacts_.size()) return add_contact(contacts_[element], random, inside, border);
+  if (element < contacts_.size()) return add_contact(contacts_[element], random, sink);
   element -= contacts_.size();
-  if (element < s.arcs.size()) return add_saddle(s.arcs[element], random, inside, border);
+  if (element < s.arcs.size()) return add_saddle(s.arcs[element], random, sink);
   element -= s.arcs.size();
   if (element < s.probes.size()) {
-    return add_concave(static_cast<std::uint32_t>(element), random, inside, border);
+    return add_concave(static_cast<std::uint32_t>(element), random, sink);
   }
-  add_curve(surface_.curves[element - s.probes.size()], border);
+  add_curve(surface_.curves[element - s.probes.size()], sink);
 }
 
 // Seen from the centre, the contact patch of an atom is where the exposed part of the grown ball
 // is.
-void SurfaceSamples::add_contact(const Patch& grown, Random random, std::vector<Vec3d>& inside,
-                                 std::vector<Vec3d>& border) const {
+void SurfaceSamples::add_contact(const Patch& grown, Random random, const Sink& sink) const {
   Patch patch = grown;
   patch.ball.radius -= probe_;
   const double growth = grown.ball.radius / patch.ball.radius;
@@ -91,11 +91,11 @@ void SurfaceSamples::add_contact(const Patch& grown, Random random, std::vector<
     return surface_.includes_point(sphere_of_[grown.place], center + growth * (point - center));
   };
   sample_patch(patch, density_, random, [&](const Vec3d& point) {
-    if (is_included(point)) inside.push_back(point);
+    if (is_included(point)) sink.add_inside(point);
   });
   for (std::uint32_t i = 0; i < patch.corner_count; ++i) {
     const Vec3d corner = patch.ball.center + patch.ball.radius * patch.corners[i].position;
-    if (is_included(corner)) border.push_back(corner);
+    if (is_included(corner)) sink.add_border(corner);
   }
 }
 
@@ -109,8 +109,7 @@ Vec3d SurfaceSamples::on_saddle(const RolledArc& arc, double turn, double profil
 
 // The points rise by equal steps of area across the saddle, while multiples of the golden ratio
 // spread them along it.
-void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, std::vector<Vec3d>& inside,
-                                std::vector<Vec3d>& border) const {
+void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, const Sink& sink) const {
   if (!surface_.includes(arc)) return;
   constexpr double kInverseGoldenRatio = 0.6180339887498948482;
   const double p = surface_.grown.surface.probe_radius, rho = arc.circle_radius;
@@ -123,19 +122,18 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, std::vector
     for (std::uint64_t i = 0; i < count; ++i) {
       const double along = shift + static_cast<double>(i) * kInverseGoldenRatio;
       const double across = (static_cast<double>(i) + random.next()) / static_cast<double>(count);
-      inside.push_back(on_saddle(arc, arc.angle * (along - std::floor(along)),
-                                 profile_at(rho, p, range, across)));
+      sink.add_inside(on_saddle(arc, arc.angle * (along - std::floor(along)),
+                                profile_at(rho, p, range, across)));
     }
     for (const double turn : {0.0, 0.5 * arc.angle, arc.angle}) {
       for (const double profile : {range.from, 0.5 * (range.from + range.to), range.to}) {
-        border.push_back(on_saddle(arc, turn, profile));
+        sink.add_border(on_saddle(arc, turn, profile));
       }
     }
   }
 }
 
-void SurfaceSamples::add_concave(std::uint32_t probe, Random random, std::vector<Vec3d>& inside,
-                                 std::vector<Vec3d>& border) const {
+void SurfaceSamples::add_concave(std::uint32_t probe, Random random, const Sink& sink) const {
   const AccessibleSurface& s = surface_.grown.surface;
   if (surface_.included[s.probes[probe].component] == 0) return;
   const bool is_cut = surface_.cut_of[probe] != kNoIndex;
@@ -150,21 +148,21 @@ void SurfaceSamples::add_concave(std::uint32_t probe, Random random, std::vector
                     0,
                     covers.data(),
                     nullptr};
-  sample_patch(patch, density_, random, [&](const Vec3d& point) { inside.push_back(point); });
+  sample_patch(patch, density_, random, [&](const Vec3d& point) { sink.add_inside(point); });
   Vec3d middle{0, 0, 0};
   for (const PatchSide& side : sides) middle = middle + side.contact[0];
   if (!(squared_norm(middle) > 0) || !is_exposed(patch, unit(middle))) return;
-  border.push_back(patch.ball.center + probe_ * unit(middle));
+  sink.add_border(patch.ball.center + probe_ * unit(middle));
 }
 
 // √density points per Å, and the ends.
-void SurfaceSamples::add_curve(const CircleArc& curve, std::vector<Vec3d>& border) const {
+void SurfaceSamples::add_curve(const CircleArc& curve, const Sink& sink) const {
   const double length = curve.radius() * curve.sweep();
   const auto steps = static_cast<std::uint64_t>(std::ceil(length * std::sqrt(density_)));
   for (std::uint64_t i = 0; i < steps; ++i) {
-    border.push_back(curve.at(curve.sweep() * static_cast<double>(i) / static_cast<double>(steps)));
+    sink.add_border(curve.at(curve.sweep() * static_cast<double>(i) / static_cast<double>(steps)));
   }
-  border.push_back(curve.at(curve.sweep()));
+  sink.add_border(curve.at(curve.sweep()));
 }
 
 }  // namespace vdwmesh::excluded

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -31,17 +32,29 @@ class SurfaceSamples {
   std::size_t element_count() const;
 
   // Adds the samples of an element, Å: to `inside` those that count for all statistics, to `border`
-  // those for the maximum alone.
-  void add(std::size_t element, std::vector<Vec3d>& inside, std::vector<Vec3d>& border) const;
+  // those for the maximum alone. Calls take() where either has kTogether, to take and remove them.
+  static constexpr std::size_t kTogether = std::size_t{1} << 14;
+  void add(std::size_t element, std::vector<Vec3d>& inside, std::vector<Vec3d>& border,
+           const std::function<void()>& take) const;
 
  private:
-  void add_contact(const Patch& grown, Random random, std::vector<Vec3d>& inside,
-                   std::vector<Vec3d>& border) const;
-  void add_saddle(const RolledArc& arc, Random random, std::vector<Vec3d>& inside,
-                  std::vector<Vec3d>& border) const;
-  void add_concave(std::uint32_t probe, Random random, std::vector<Vec3d>& inside,
-                   std::vector<Vec3d>& border) const;
-  void add_curve(const CircleArc& curve, std::vector<Vec3d>& border) const;
+  // Points go one after the other into both lists.
+  struct Sink {
+    std::vector<Vec3d>&inside, &border;
+    const std::function<void()>& take;
+    void add_inside(const Vec3d& point) const { add(inside, point); }
+    void add_border(const Vec3d& point) const { add(border, point); }
+
+   private:
+    void add(std::vector<Vec3d>& points, const Vec3d& point) const {
+      points.push_back(point);
+      if (points.size() >= kTogether) take();
+    }
+  };
+  void add_contact(const Patch& grown, Random random, const Sink& sink) const;
+  void add_saddle(const RolledArc& arc, Random random, const Sink& sink) const;
+  void add_concave(std::uint32_t probe, Random random, const Sink& sink) const;
+  void add_curve(const CircleArc& curve, const Sink& sink) const;
   Vec3d on_saddle(const RolledArc& arc, double turn, double profile) const;
 
   const JudgedSurface& surface_;

@@ -110,6 +110,12 @@ class Excluded(ProgramTest):
         ):
             arguments = ("exact", UBIQUITIN, "--surface", "excluded", *option)
             self.assert_refused(BAD_INPUT, *arguments, says=(option[0],))
+        # What rounding leaves of three small balls under a large probe is no surface, or is doubted.
+        three = self.file("three.xyzr", "0 0 0 1.7\n3 0 0 1.7\n0 3 0 1.7\n")
+        excluded = ("exact", three, "--surface", "excluded", "--probe")
+        self.assert_refused(BAD_INPUT, *excluded, "1e6", says=("probe of 1e+06",))
+        self.assertIn("by one formula", self.run_ok(*excluded, "1e5").stdout)
+        self.assertNotIn("warning", self.run_ok(*excluded, "10").stdout)
 
     def test_cuda_has_the_same_figures_or_says_what_is_missing(self):
         table = self.folder / "a.csv"
@@ -337,6 +343,17 @@ class ExcludedReport(ProgramTest):
         self.assertEqual(complete["euler_characteristic_difference"], 0)
         self.assertEqual(complete["exterior"]["euler_characteristic_difference"], 2)
         self.assertIsNone(complete["exterior"]["mesh_to_surface"])
+        # Nor is it if a triangle is missing, so that nobody knows what is a wall.
+        path = path.with_suffix(".off")
+        self.run_ok("mesh", hollow, *options, "--edge-length", "0.3", "-o", path)
+        lines = [line for line in path.read_text().splitlines() if line.strip() and line[0] != "#"]
+        vertices, faces, *rest = lines[1].split()
+        lines[1:] = [" ".join([vertices, str(int(faces) - 1), *rest]), *lines[2:-1]]
+        path.write_text("\n".join(lines) + "\n")
+        opened = self.report("compare", path, hollow, *options, "--self-intersections", "off")
+        self.assertIs(opened["mesh"]["closed"], False)
+        self.assertIsNone(opened["mesh"]["self_intersections"])
+        self.assertIsNone(opened["comparison"]["exterior"]["mesh_to_surface"])
 
     def test_refusals(self):
         for option in (("--method", "arcs"), ("--topology", "counts"), ("--probe", "0"), ("--backend", "cuda")):

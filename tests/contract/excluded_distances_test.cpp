@@ -23,6 +23,7 @@
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "excluded/excluded_mesher.hpp"
+#include "excluded/surface_samples.hpp"
 #include "reference/cages.hpp"
 #include "reference/excluded_distance.hpp"
 #include "support/ball_families.hpp"
@@ -169,6 +170,38 @@ TEST(ExcludedDistances, CagesBetweenBounds) {
   }
 }
 
+// A probe that touches the eight atoms around it and cannot roll: its sphere is the wall of a
+// cavity, of which the exterior surface knows nothing.
+TEST(ExcludedDistances, AProbeThatItsAtomsHold) {
+  constexpr double kProbe = 1.4, kRadius = 1.5;
+  const double half = (kProbe + kRadius) / std::sqrt(3.0);
+  std::vector<Sphere> atoms;
+  for (int i = 0; i < 8; ++i) {
+    atoms.push_back({{i & 1 ? half : -half, i & 2 ? half : -half, i & 4 ? half : -half}, kRadius});
+  }
+  Dice dice(47);
+  std::vector<Vec3d> inside, around{{0, 0, 0}};
+  for (int i = 0; i < 1000; ++i) inside.push_back(dice.real(0, 1.39) * random_direction(dice));
+  const std::vector<double> found = measure(inside, SphereSet(atoms), kProbe);
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    EXPECT_NEAR(found[i], kProbe - norm(inside[i]), kRounding);
+  }
+  for (int i = 0; i < 200; ++i) around.push_back(dice.real(0, 4) * random_direction(dice));
+  expect_bounds(SphereSet(atoms), kProbe, around);
+  const IndexedMesh mesh = mesh_excluded(SphereSet(atoms), {.probe = kProbe}).mesh;
+  const MeshDistances both = excluded_distances(mesh, SphereSet(atoms), kProbe);
+  EXPECT_LT(both.hausdorff_lower_bound, 0.1);
+  // An atom in the middle fills the cavity and stays away from the outside.
+  std::vector<Sphere> filled = atoms;
+  filled.push_back({{0, 0, 0}, 0.5});
+  const std::vector<double> expected = measure(around, SphereSet(filled), kProbe),
+                            exterior = excluded_signed_distances(around, SphereSet(atoms), kProbe,
+                                                                 nullptr, ExcludedPart::exterior);
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    EXPECT_NEAR(exterior[i], expected[i], kRounding);
+  }
+}
+
 TEST(ExcludedDistances, RandomSetsBetweenBounds) {
   Dice dice(404);
   const std::array<std::function<std::vector<Sphere>(Dice&)>, 4> families{sparse_gas, dense_heap,
@@ -312,6 +345,28 @@ TEST(ExcludedDistances, SamplesCoverTheSurfaceEvenly) {
       EXPECT_NEAR(found.mean, moment.value() / area.value(), 5 * found.mean_error + 1e-3);
     }
   }
+}
+
+// However many samples there are, some thousands are kept at a time.
+TEST(ExcludedDistances, SamplesAreTakenInParts) {
+  constexpr double kProbe = 1.4, kDensity = 1e4;
+  const SphereSet atoms({{{0, 0, 0}, 1.5}, {{2.5, 0, 0}, 1.7}});
+  const excluded::JudgedSurface surface(atoms, kProbe, ExcludedPart::complete, nullptr);
+  const ExposedSurface accessible(excluded::grown_by(atoms, kProbe));
+  const excluded::SurfaceSamples samples(surface, accessible, kProbe, kDensity, 1);
+  std::vector<Vec3d> inside, border;
+  std::size_t taken = 0, most = 0;
+  const auto take = [&] {
+    taken += inside.size();
+    most = std::max({most, inside.size(), border.size()});
+    inside.clear();
+    border.clear();
+  };
+  for (std::size_t i = 0; i < samples.element_count(); ++i) samples.add(i, inside, border, take);
+  take();
+  EXPECT_LE(most, excluded::SurfaceSamples::kTogether);
+  const double area = excluded_measures(atoms, {.probe = kProbe}).complete.area;
+  EXPECT_NEAR(static_cast<double>(taken), area * kDensity, 0.01 * area * kDensity);
 }
 
 // A mesh of the surface is near it both ways, and nearer by four when its edges are half as long.

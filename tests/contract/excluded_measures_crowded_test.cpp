@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contract/excluded_measures_contract.hpp"
+#include "core/errors.hpp"
 #include "reference/cages.hpp"
 #include "unit/arrangement/union_cases.hpp"
 
@@ -117,6 +118,65 @@ TEST(ExcludedCrowded, CirclesAndHeightsOfTheProbesRadius) {
       expect_form(found.complete, excluded_three_balls(changed, probe));
     }
   }
+}
+
+// Atoms in the corners of a row of cubes, at the places where x is not in `left_out`, each as far
+// from the middle of its cube as a probe that touches it.
+SphereSet row_of_cubes(int cubes, double radius, double probe, int left_out = -1) {
+  const double half = (radius + probe) / std::sqrt(3.0);
+  std::vector<Sphere> atoms;
+  for (int i = 0; i < 4 * (cubes + 1); ++i) {
+    if (i == left_out) continue;
+    const Vec3d at{i % 2 == 0 ? -half : half, i / 2 % 2 == 0 ? -half : half,
+                   half * (i / 4 * 2 - 1)};
+    atoms.push_back({at, radius});
+  }
+  return SphereSet(atoms);
+}
+
+// The probe in the middle of a cube touches all atoms around it and cannot roll: its patch is the
+// whole sphere, of which atoms that are alike have the same share.
+TEST(ExcludedCrowded, AProbeThatItsAtomsHold) {
+  const double sphere = 4 * std::acos(-1.0) * 1.4 * 1.4;
+  const ExcludedMeasures held = measure_certified(row_of_cubes(1, 1.5, 1.4), 1.4);
+  EXPECT_EQ(held.complete.topology->cavities, 1u);
+  const double outside = held.exterior->area_by_kind.concave;
+  EXPECT_RELATIVE(held.complete.area_by_kind.concave, outside + sphere, kExcludedRounding);
+  for (const ExcludedAtom& atom : held.complete.per_atom) {
+    EXPECT_RELATIVE(atom.area.concave, (outside + sphere) / 8, kExcludedRounding);
+  }
+  // Seven atoms hold it too.
+  for (int i = 0; i < 8; ++i) measure_certified(row_of_cubes(1, 1.5, 1.4, i), 1.4);
+}
+
+// Probes that are held in two cubes overlap each other, and probes outside overlap both.
+TEST(ExcludedCrowded, HeldProbesThatOverlap) {
+  for (const double radius : {0.5, 0.9, 1.5}) {
+    measure_certified(row_of_cubes(2, radius, 2.9 - radius), 2.9 - radius);
+  }
+}
+
+// Rounding in double may leave nothing of the surface of small atoms under a large probe.
+TEST(ExcludedCrowded, SaysWhatRoundingLeavesWrong) {
+  const std::vector<Vec3d> places{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
+  const auto measured = [&](double scale, double probe) {
+    std::vector<Sphere> atoms;
+    for (const Vec3d& at : places) atoms.push_back({scale * at, scale * 1.7});
+    return doubts(excluded_measures(SphereSet(atoms), {.probe = probe, .per_atom = true}).complete);
+  };
+  EXPECT_TRUE(measured(1, 1.4).empty());
+  EXPECT_TRUE(measured(1, 100).empty());
+  EXPECT_THROW(measured(1, 1e6), InvalidInput);
+  EXPECT_THROW(measured(1e-9, 1.4), InvalidInput);
+  // Of what is left at probes between them, something is right to a share that is said.
+  std::size_t said = 0;
+  for (double probe = 1e4; probe < 1e6; probe *= 3) {
+    try {
+      said += measured(1, probe).empty() ? 0 : 1;
+    } catch (const InvalidInput&) {
+    }
+  }
+  EXPECT_GT(said, 0u);
 }
 
 }  // namespace

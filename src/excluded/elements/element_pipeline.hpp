@@ -19,8 +19,10 @@
 #include <tbb/parallel_for.h>
 
 #include <span>
+#include <string>
 #include <vector>
 
+#include "core/errors.hpp"
 #include "excluded/elements/arc_steps.hpp"
 #include "excluded/elements/corner_steps.hpp"
 #include "excluded/elements/local_surface.hpp"
@@ -44,7 +46,8 @@ struct ElementSums {
   std::vector<ChunkSum> chunks;
   std::vector<std::size_t> first_chunk;
   std::vector<std::uint8_t> failed;  // by set
-  std::uint64_t host_circles = 0, host_corners = 0, host_patches = 0;
+  std::uint64_t host_circles = 0, host_corners = 0;
+  std::vector<std::uint64_t> host_patches;  // by set
 };
 
 template <class Executor>
@@ -62,7 +65,9 @@ class ElementPipeline {
         near_(near),
         offsets_(offsets),
         home_(x_.upload(home)),
-        failed_(x_.template zeros<std::uint8_t>(home.size())) {}
+        failed_(x_.template zeros<std::uint8_t>(home.size())) {
+    result_.host_patches.resize(home.size());
+  }
 
   // Writes a row for each ball to `rows`.
   ElementSums run(BallRow* rows) {
@@ -98,7 +103,17 @@ class ElementPipeline {
     x_.put(failed_, host.at(ball).set, yes);
   }
 
+  // Elements and entries of lists are named by 32 bits.
+  static void check_count(std::uint64_t count, const char* what) {
+    constexpr std::uint64_t kMost = std::uint32_t(-1);
+    if (count <= kMost) return;
+    throw DeviceMemoryExceeded(std::to_string(count) + " " + what +
+                               " of excluded surfaces have more than 32 bits: measure fewer sets "
+                               "at once");
+  }
+
   void find_arcs() {
+    check_count(near_.entries, "pairs of overlapping balls");
     Array<std::uint8_t> flag = x_.template make<std::uint8_t>(near_.entries);
     x_.run("find_circles", near_.entries,
            FindCircles{balls_, near_.view(), near_.owner.data(), flag.data()});
@@ -201,6 +216,7 @@ class ElementPipeline {
         "place_low", count,
         PlaceLow{balls_, corners_.data(), low.data(), probes.data(), set.data(), low_of_.data()});
     const OverlapLists<Executor> near = x_.overlaps(probes, set, failed_.size());
+    check_count(near.entries, "pairs of overlapping probes");
     Array<std::uint8_t> doubtful = x_.template make<std::uint8_t>(count);
     x_.run("measure_low", count,
            MeasureLow{balls_,
@@ -216,7 +232,6 @@ class ElementPipeline {
 
   void decide_patches(const Array<std::uint32_t>& low, const Array<std::uint8_t>& doubtful) {
     const Array<std::uint32_t> listed = x_.select(doubtful, doubtful.size());
-    result_.host_patches = listed.size();
     if (listed.size() == 0) return;
     Array<Corner> chosen = x_.template make<Corner>(listed.size());
     x_.run("take_patches", listed.size(),
@@ -229,6 +244,7 @@ class ElementPipeline {
                       [&](std::size_t i) { patches[i] = exact_patch(balls, corners[i]); });
     std::vector<PatchMeasures> made;
     for (std::size_t i = 0; i < corners.size(); ++i) {
+      ++result_.host_patches[balls.at(corners[i].name.ball[0]).set];
       if (!patches[i]) fail(balls, corners[i].name.ball[0]);
       made.push_back(patches[i].value_or(PatchMeasures{}));
     }
@@ -252,6 +268,7 @@ class ElementPipeline {
 
   ElementSums sum(BallRow* out) {
     const std::uint64_t entries = 2 * arc_count_ + 3 * corner_count_;
+    check_count(entries, "parts");
     Array<Terms> terms = x_.template make<Terms>(entries);
     Array<std::uint32_t> key = x_.template make<std::uint32_t>(entries),
                          entry = x_.template make<std::uint32_t>(entries);

@@ -18,12 +18,12 @@ namespace {
 // The least length of an arc, in the radius of the largest ball: see kNoLength.
 constexpr double kLeastLength = 1e-10;
 
-// The balls of a set around a place, ascending.
+// The balls of a set around a place, ascending. Sets stand one after another.
 std::vector<HostBall> balls_around(const HostBalls& balls, std::uint32_t set,
                                    const Around& around) {
   std::vector<HostBall> near;
-  for (const HostBall& ball : balls.balls) {
-    if (ball.set == set && is_around(around, ball.grown)) near.push_back(ball);
+  for (const HostBall& ball : std::ranges::equal_range(balls.balls, set, {}, &HostBall::set)) {
+    if (is_around(around, ball.grown)) near.push_back(ball);
   }
   return near;
 }

@@ -17,7 +17,7 @@ struct HostBall {
   double radius;  // without the probe
   std::uint32_t set, place;
 };
-// The balls around the elements to decide, in ascending order of their places.
+// The balls around the elements to decide, in ascending order of their places and sets.
 struct HostBalls {
   std::span<const HostBall> balls;
   double probe;

@@ -1,16 +1,21 @@
 // The exposed surface that distances are taken to, against closed forms and the exact dual complex.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <span>
 
+#include "analysis/distances_plan.hpp"
 #include "analysis/distances_samples.hpp"
 #include "analysis/exposed_surface.hpp"
 #include "arrangement/complex/dual_complex.hpp"
+#include "core/errors.hpp"
+#include "support/ball_families.hpp"
 #include "support/shared_files.hpp"
+#include "support/test_meshes.hpp"
 #include "support/xyzr.hpp"
 
 namespace vdwmesh {
@@ -162,6 +167,53 @@ TEST(RandomRotation, IsUniform) {
     EXPECT_NEAR(sum[i] / kTurns, 0, five_sigma) << i;
     for (std::size_t j = 0; j < 9; ++j) {
       EXPECT_NEAR(products[9 * i + j] / kTurns, i == j ? 1.0 / 3 : 0, five_sigma) << i << " " << j;
+    }
+  }
+}
+
+// A vertex of no triangle is not measured, and the boxes of the search are as fine as without it.
+TEST(Distances, LeaveOutIsolatedVertices) {
+  const SphereSet ball({{{0, 0, 0}, 1}});
+  IndexedMesh mesh = testing::icosphere(6);
+  const DistancePlan alone = plan_distances(mesh, ball, {});
+  mesh.positions.push_back({1e8, 0, 0});
+  const DistancePlan plan = plan_distances(mesh, ball, {});
+  EXPECT_EQ(plan.world.upper.x, alone.world.upper.x);
+  // A triangle that far leaves the others without boxes of their own.
+  const auto far = static_cast<std::uint32_t>(mesh.vertex_count() - 1);
+  mesh.triangles.push_back({0, 1, far});
+  EXPECT_THROW(plan_distances(mesh, ball, {}), LimitExceeded);
+}
+
+// Sums of the blocks of samples are counted before they are allocated.
+TEST(Distances, CountTheSumsOfSamples) {
+  DistanceOptions options{.samples_per_area = 1e3, .memory_limit = 1'000'000};
+  EXPECT_EQ(plan_mesh_samples(1e4, options).samples, 10'000'000u);
+  EXPECT_THROW(plan_mesh_samples(1e6, options), LimitExceeded);
+}
+
+// Of balls grown by a large probe nearly all overlap, but few of them cover what no other does.
+TEST(ExposedSurface, KeepsFewOfManyCovers) {
+  testing::Dice dice(49);
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 400; ++i) balls.push_back({testing::random_point(dice, 10), 50});
+  const ExposedSurface surface{SphereSet(balls)};
+  std::size_t most = 0;
+  for (const Patch& patch : surface.searched()) {
+    most = std::max<std::size_t>(most, patch.cover_count);
+  }
+  EXPECT_LT(most, 100u);
+  // The covers that are left cover what all do.
+  for (const Patch& patch : surface.patches()) {
+    for (int i = 0; i < 50; ++i) {
+      Vec3d direction = testing::random_point(dice, 1);
+      direction = (1 / norm(direction)) * direction;
+      const Vec3d point = patch.ball.center + 50.0 * direction;
+      double least = 1;
+      for (const Sphere& s : balls) {
+        if (!(s.center == patch.ball.center)) least = std::min(least, norm(point - s.center) - 50);
+      }
+      if (std::abs(least) > 1e-6) EXPECT_EQ(is_exposed(patch, direction), least > 0);
     }
   }
 }

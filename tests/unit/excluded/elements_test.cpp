@@ -149,5 +149,41 @@ TEST(Elements, OfSeveralSetsAreThoseOfEach) {
   expect_same(found, expected_of(atoms, offsets, 1.4));
 }
 
+// The patches that the host decided are told of the set that has them.
+TEST(Elements, TellsTheHostsPatchesOfEachSet) {
+  std::vector<Sphere> atoms;
+  std::vector<std::size_t> offsets{0};
+  for (const unsigned seed : {1u, 2u, 3u, 5u}) {
+    const std::vector<Sphere> set = spheres_of(seeded_set(seed).spheres);
+    atoms.insert(atoms.end(), set.begin(), set.end());
+    offsets.push_back(atoms.size());
+  }
+  const ExcludedBatch found = by_elements<DoubtfulExecutor>(atoms, offsets, 1.4);
+  std::uint64_t sum = 0;
+  for (std::size_t s = 0; s + 1 < offsets.size(); ++s) {
+    const ExcludedSurface one = surface_of(found, s);
+    sum += one.checks.extended_decisions;
+    EXPECT_EQ(one.checks.extended_decisions, found.totals[s].extended_decisions);
+    EXPECT_LE(one.checks.extended_decisions, one.counts.low_probes);
+  }
+  EXPECT_GT(sum, 0u);
+  if (found.host_sets == 0) EXPECT_EQ(sum, found.host_patches);
+}
+
+// A circle and a patch are decided from the balls of their own set, wherever it is in the batch.
+TEST(Elements, AreDecidedFromTheirOwnSet) {
+  const std::vector<Sphere> set = spheres_of(seeded_set(3).spheres);
+  std::vector<Sphere> atoms;
+  std::vector<std::size_t> offsets{0};
+  for (int i = 0; i < 5; ++i) {
+    for (Sphere s : set) {
+      s.radius += i == 2 ? 0 : 0.1 * i;
+      atoms.push_back(s);
+    }
+    offsets.push_back(atoms.size());
+  }
+  expect_same(by_elements<DoubtfulExecutor>(atoms, offsets, 1.4), expected_of(atoms, offsets, 1.4));
+}
+
 }  // namespace
 }  // namespace vdwmesh::testing

@@ -11,6 +11,8 @@
 #include "arrangement/exact_union.hpp"
 #include "core/errors.hpp"
 #include "excluded/excluded_measures.hpp"
+#include "excluded/low_probes.hpp"
+#include "excluded/patch_circles.hpp"
 #include "reference/cages.hpp"
 #include "support/dice.hpp"
 
@@ -157,6 +159,31 @@ TEST(ExcludedLimits, RefusesWhatIsNoProbe) {
     EXPECT_THROW(surface_of(atoms, probe), InvalidInput) << probe;
   }
   EXPECT_THROW(excluded_measures(SphereSet()), InvalidInput);
+}
+
+// Beyond 2^53 a cell has no neighbours of other numbers.
+TEST(ExcludedLimits, CellsOfAnyNumber) {
+  const auto numbers = [](double home) {
+    std::vector<double> visited;
+    excluded::visit_cells_beside(home, [&](double cell) { visited.push_back(cell); });
+    return visited;
+  };
+  EXPECT_EQ(numbers(-1), (std::vector<double>{-2, -1, 0}));
+  EXPECT_EQ(numbers(1e300), (std::vector<double>{1e300}));
+  EXPECT_EQ(numbers(-1e17), (std::vector<double>{-1e17}));
+}
+
+// Roots by Newton's method have the digits of those of the library.
+TEST(ExcludedLimits, RootsOfWideNumbers) {
+  Dice dice(49);
+  for (int i = 0; i < 300; ++i) {
+    const WideFloat x = dice.real(1, 4) + WideFloat(dice.real(0, 1)) * WideFloat(0x1p-60);
+    for (const WideFloat& scaled : {x, WideFloat(x * WideFloat(1e-120)), WideFloat(x * 1e200)}) {
+      const WideFloat root = sqrt(scaled), apart = excluded::root_of(scaled) - root;
+      EXPECT_LE(static_cast<double>(WideFloat(abs(apart) / root)), 1e-98);
+    }
+  }
+  EXPECT_EQ(excluded::root_of(WideFloat(0)), 0);
 }
 
 }  // namespace
