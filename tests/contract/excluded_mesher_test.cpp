@@ -89,6 +89,32 @@ TEST(ExcludedMesher, ThinWaists) {
   }
 }
 
+// The probe's circle has just the probe's radius, or differs from it by less than any edge can
+// show: a waist of no width, which gets a few flat triangles and no point on the axis.
+TEST(ExcludedMesher, WaistsOfNoWidth) {
+  constexpr std::uint64_t kMostTriangles = 50'000;
+  struct Tie {
+    double radius, distance, probe;
+  };
+  for (const auto& [radius, distance, probe] : {Tie{1, 4, 1.5}, Tie{2, 8, 3}}) {
+    for (const double less : {0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-5}) {
+      for (const double edge_length : {0.7, 0.35, 0.1}) {
+        SCOPED_TRACE(::testing::Message() << distance << " less " << less << ", " << edge_length);
+        const double d = distance * (1 - less);
+        const SphereSet pair({{{0, 0, 0}, radius}, {{d, 0, 0}, radius}});
+        const ExcludedMesh mesh = expect_mesh(pair, probe, edge_length);
+        const double ideal = measures(mesh.mesh).area / (0.43 * edge_length * edge_length);
+        EXPECT_LT(static_cast<double>(mesh.mesh.triangle_count()), kMostTriangles + 2 * ideal);
+      }
+    }
+  }
+  std::vector<Sphere> lattice;
+  for (int i = 0; i < 8; ++i) {
+    lattice.push_back({{4.0 * (i & 1), 2.0 * (i & 2), 1.0 * (i & 4)}, 1});
+  }
+  expect_mesh(SphereSet(lattice), 1.5, 0.35);
+}
+
 // The probes are high; low, so that their patches meet in a crease; or there are none.
 TEST(ExcludedMesher, ThreeBalls) {
   for (const double side : {2.0, 3.0, 3.6, 3.9, 4.2, 4.6, 5.0, 5.3, 5.8}) {
