@@ -119,7 +119,7 @@ TEST(PatchDefects, SmallAnglesAreSeenWhereverTheyAre) {
 
 // Those that may be clear of margins: the same points in the same order, and few others.
 TEST(SpherePoints, NearAPatch) {
-  Dice dice(7);
+  testing::Dice dice(7);
   for (const double edge_length : {1.0 / 60, 1.0 / 90, 1.0 / 200}) {
     for (int i = 0; i < 8; ++i) {
       // What three caps leave: a triangle as around a probe, or a strip beside two large caps.
