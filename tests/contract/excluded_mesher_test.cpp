@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -209,6 +210,32 @@ TEST(ExcludedMesher, CurvesTooCloseAreRefused) {
     EXPECT_NE(std::string(error.what()).find("too close to be told apart"), std::string::npos)
         << error.what();
   }
+}
+
+// Rings of atoms whose hole is just the probe: the patches of its two mirror images have no width,
+// along all sides at once. The limit of pieces of all curves ends the splitting.
+TEST(ExcludedMesher, RingsThatHoldTheProbeAreRefused) {
+  constexpr double kAround = 2.9;  // Å: 1.5 and 1.4
+  for (const int count : {4, 5, 8}) {
+    std::vector<Sphere> ring;
+    for (int i = 0; i < count; ++i) {
+      const double turn = 2 * std::numbers::pi * i / count + 0.3;
+      ring.push_back({{kAround * std::cos(turn), kAround * std::sin(turn), 0}, 1.5});
+    }
+    try {
+      mesh_at(SphereSet(ring), 1.4, 0.35);
+      ADD_FAILURE() << "there is a mesh";
+    } catch (const LimitExceeded& error) {
+      EXPECT_NE(std::string(error.what()).find("points on all of them"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+// A mesh of a few MB, of patches that are a thousandth of their probe's sphere.
+TEST(ExcludedMesher, SmallPatchesOfHugeProbes) {
+  const SphereSet atoms({{{0, 0, 0}, 1.7}, {{3, 0, 0}, 1.5}, {{1.4, 2.6, 0}, 1.6}});
+  EXPECT_LT(mesh_at(atoms, 1e6, 0.1).mesh.triangle_count(), 100'000u);
 }
 
 // Sets in general position; a set that has no mesh says so, and there may be few of them.
