@@ -274,7 +274,8 @@ class PatchTriangulator {
   VDWMESH_HD void insert_lattice() {
     CapMargins<Memory> margins(boundary_.caps, kLatticeMargin * edge_length_, work_.margins);
     std::uint32_t near = plane_.triangle_at(0);
-    for (std::size_t step = 0; const Vec3d& u : lattice_.points(edge_length_, margins)) {
+    for ([[maybe_unused]] std::size_t step = 0;
+         const Vec3d& u : lattice_.points(edge_length_, margins)) {
       if constexpr (!Memory::kIsBounded) check_cancelled(monitor_, step++);
       if (!margins.is_clear(u)) continue;
       const PlanePoint p = projection_.project(u);
