@@ -32,7 +32,7 @@ Outcome outcome_of(const std::function<void()>& work) {
     return fail(kLimitHit, error);
   } catch (const std::bad_alloc&) {
     return fail(kLimitHit,
-                LimitExceeded("out of memory; a larger --spacing or fewer --subdivide needs less"));
+                LimitExceeded("out of memory: a coarser mesh or fewer subdivisions need less"));
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(kBadInput, InvalidInput(fmt::format("{}: {}", error.path1().string(),
                                                     error.code().message())));

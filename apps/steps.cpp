@@ -96,9 +96,17 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
 
 // Notes if the mesh has another topology than the union. The mesher shrinks to a point each arc or
 // circle that is too small for its points to have different coordinates, and this may change the
-// topology.
-void note_other_topology(const ExactMeshStats& s, Report& report) {
-  if (s.euler_difference == 0 && s.shell_difference == 0) return;
+// topology. Notes as well if it has not, since surfaces may touch in such a point.
+void note_points(const ExactMeshStats& s, Report& report) {
+  if (s.points + s.contacts + s.joins == 0) return;
+  if (s.euler_difference == 0 && s.shell_difference == 0) {
+    report.note(
+        "{} arcs, {} circles and {} places where curves all but touch were made points: "
+        "where surfaces touch in them, triangles of both meet and count as "
+        "self-intersections",
+        s.points, s.contacts, s.joins);
+    return;
+  }
   report.notes.push_back(
       fmt::format("the mesh has not the topology of the union: Euler characteristic {:+d}, closed "
                   "surfaces {:+d}; "
@@ -187,7 +195,7 @@ void describe_exact_mesh(const ExactMeshStats& stats, Report& report) {
   report.timing.extract = stats.seconds;
   report.mesh.emplace();
   report.mesh->arrangement = stats;  // the report's word for what the crease-exact mesher did
-  note_other_topology(stats, report);
+  note_points(stats, report);
   note_small_angles(stats, report);
 }
 

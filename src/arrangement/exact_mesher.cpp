@@ -142,12 +142,9 @@ class FeatureSizeSearch {
       // Placed once more, since the mesher took them.
       team_.together([&] { refused_ = features_of(place(sizes)); });
       return false;
-    } catch (const DeviceMemoryExceeded&) {
-      throw;  // with more memory the result could be another mesh
-    } catch (const LimitExceeded&) {
-      if (!best_) throw;
-      return false;  // the result is the mesh made before, whose stats say how it differs
     }
+    // Other limits end the search, though there may be a mesh by then: with more memory the result
+    // could be another one.
   }
 
   BoundaryArcs place(const FeatureSizes& sizes) const {

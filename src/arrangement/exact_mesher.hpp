@@ -6,14 +6,15 @@
 // lies in that sphere's power cell. Each arc is sampled once. The patches on both sides of the arc
 // use the same points, so the mesh is watertight.
 //
-// Topology. Exact predicates decide which corners, arcs and patches there are. The mesh therefore
+// Topology. Double precision decides which corners, arcs and patches there are where its error
+// bounds say that it can (arcs/doubts.hpp), and an exact triangulation decides the rest. The mesh
 // has the topology of the union, unless features are too small for double coordinates. By default
 // such features are arcs shorter than 1e-8 of the sphere's radius, circles with a radius below 1e-6
 // of it, and curves nearer to each other than 1e-8 of it. The mesher reduces each of them to a
 // point and separates surfaces that meet in this point only.
 //
 // Fallbacks. If the reduction changes the topology, the mesher tries again with the smaller
-// thresholds 1e-11 for arcs and 1e-9 for circles. If curves lie too close to be meshed, it tries
+// thresholds 1e-11 for arcs and 1e-7 for circles. If curves lie too close to be meshed, it tries
 // larger thresholds, at last 1e-5 and 1e-4. `ExactMeshStats` counts the reduced features and says
 // by how much the topology of the mesh differs from the exact one.
 #pragma once

@@ -19,7 +19,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <optional>
+#include <string>
 #include <utility>
 
 #include "arrangement/directions.hpp"
@@ -37,10 +37,11 @@ using namespace excluded;
 using MesherClock = std::chrono::steady_clock;
 
 // Limits, as for the mesh of the union: the rounds in which pieces are split for quality; all
-// rounds; and the pieces that a curve may have, besides 64 for each piece that it had at first.
-// More pieces are asked for only if two curves are some 10⁻¹¹ of a radius from each other along a
-// part of their length. Double precision hardly tells these apart, or not at all, so millions of
-// pieces would be needed, or no number would suffice.
+// rounds; and the pieces that a curve may have, and all curves together, besides 64 for each piece
+// that there was at first. More pieces are asked for only if two curves are some 10⁻¹¹ of a radius
+// from each other along a part of their length. Double precision hardly tells these apart, or not
+// at all, so millions of pieces would be needed, or no number would suffice. In a small set the
+// limit of all ends the splitting of several curves; in a large molecule that of one curve ends it.
 constexpr int kRoundsForQuality = 12, kRoundsInAll = 60;
 constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
 // The cosine of the widest angle, 127°, under which points inside patches may see pieces. In the
@@ -69,7 +70,8 @@ class ExcludedMesher {
         unit_(std::ldexp(1.0, complex.grown().exponent)),
         edge_length_(options.edge_length / unit_),
         sampling_(complex.curves, std::vector<double>(complex.face_count(), edge_length_)),
-        pieces_at_first_(pieces_by_curve()),
+        pieces_at_first_(sampling_.pieces()),
+        all_at_first_(sampling_.all_pieces()),
         least_triangles_(kFill * area / (std::sqrt(0.1875) * edge_length_ * edge_length_)),
         faces_(complex.face_count()) {}
 
@@ -83,7 +85,7 @@ class ExcludedMesher {
     ExcludedMesh out;
     assemble(out);
     stats_.curves = complex_.curves.arcs.size();
-    stats_.pieces = count_pieces();
+    stats_.pieces = sampling_.all_pieces();
     out.stats = stats_;
     return out;
   }
@@ -106,32 +108,28 @@ class ExcludedMesher {
 
   bool is_sphere(std::uint32_t face) const { return face < complex_.spheres.size(); }
 
-  std::vector<std::uint32_t> pieces_by_curve() const {
-    std::vector<std::uint32_t> pieces(complex_.curves.arcs.size());
-    for (std::uint32_t c = 0; c < pieces.size(); ++c) pieces[c] = sampling_.pieces(c);
-    return pieces;
+  static bool has_grown(std::uint64_t now, std::uint64_t at_first) {
+    return now > kGrowth + 64 * at_first;
   }
 
-  // Returns the first piece to be split whose curve has as many pieces as it may have. Every curve
-  // has a limit of its own: in a large molecule, a limit for all curves together would let two of
-  // them grow for hours.
-  std::optional<ArcPiece> piece_split_too_often() const {
+  // Gives up if a curve of the pieces just split has too many pieces, or all curves together.
+  void check_growth() const {
     for (const PieceSplit& s : last_splits_) {
-      const std::uint32_t c = s.piece.arc;
-      if (sampling_.pieces(c) > kGrowth + 64 * std::uint64_t{pieces_at_first_[c]}) return s.piece;
+      const std::uint32_t now = sampling_.pieces(s.piece.arc);
+      if (has_grown(now, pieces_at_first_[s.piece.arc]))
+        refuse(s.piece, fmt::format("by {} points on one of them", now));
     }
-    return std::nullopt;
-  }
-
-  std::uint64_t count_pieces() const {
-    std::uint64_t pieces = 0;
-    for (std::uint32_t c = 0; c < complex_.curves.arcs.size(); ++c) pieces += sampling_.pieces(c);
-    return pieces;
+    if (!has_grown(sampling_.all_pieces(), all_at_first_)) return;
+    const auto longest = std::max_element(
+        last_splits_.begin(), last_splits_.end(), [&](const PieceSplit& a, const PieceSplit& b) {
+          return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
+        });
+    refuse(longest->piece, fmt::format("by {} points on all of them", sampling_.all_pieces()));
   }
 
   // The number of triangles is estimated from the area, and four for each piece.
   void check_memory() const {
-    const double triangles = least_triangles_ + 4 * static_cast<double>(count_pieces());
+    const double triangles = least_triangles_ + 4 * static_cast<double>(sampling_.all_pieces());
     const auto count = static_cast<std::uint64_t>(std::min(triangles, 1e17));
     const std::uint64_t need =
         indexed_mesh_bytes({count / 2, count}, kArrays) + kScratchBytes * count;
@@ -154,8 +152,9 @@ class ExcludedMesher {
       });
       last_splits_ = wanted_splits(faces);
       if (last_splits_.empty()) return;
-      if (round == kRoundsInAll) refuse(last_splits_.front().piece);
-      if (const auto piece = piece_split_too_often()) refuse(*piece);
+      if (round == kRoundsInAll)
+        refuse(last_splits_.front().piece, fmt::format("in {} rounds of splitting them", round));
+      check_growth();
       stats_.split += last_splits_.size();
       sampling_.split(last_splits_);
       check_memory();
@@ -166,7 +165,7 @@ class ExcludedMesher {
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& faces) const {
     std::vector<PieceSplit> splits;
     for (const std::uint32_t f : faces) {
-      if (faces_[f].coincident) refuse({complex_.curves_of(f).front(), 0});
+      if (faces_[f].coincident) refuse({complex_.curves_of(f).front(), 0}, kByDoubles);
       splits.insert(splits.end(), faces_[f].splits.begin(), faces_[f].splits.end());
     }
     merge_splits(splits);
@@ -393,8 +392,10 @@ class ExcludedMesher {
     return patch;
   }
 
-  // Gives up at a piece, naming the atoms of the patches beside it.
-  [[noreturn]] void refuse(const ArcPiece& piece) const {
+  static constexpr const char* kByDoubles = "in double precision";
+  // Gives up at a piece, naming the atoms of the patches beside it, and what did not tell the
+  // curves apart.
+  [[noreturn]] void refuse(const ArcPiece& piece, const std::string& by) const {
     std::vector<SphereId> atoms;
     for (const std::uint32_t f : complex_.curves.arcs[piece.arc].balls) {
       for (const SphereId id : patch_of(f).atoms) {
@@ -405,8 +406,8 @@ class ExcludedMesher {
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
     throw LimitExceeded(fmt::format(
         "the excluded surface has no mesh: between spheres {} its curves are too close to be told "
-        "apart in double precision",
-        fmt::join(atoms, ", ")));
+        "apart {}",
+        fmt::join(atoms, ", "), by));
   }
 
   const ExcludedMeshOptions& options_;
@@ -415,7 +416,8 @@ class ExcludedMesher {
   const double edge_length_;  // scaled
   ArcSampling sampling_;
   const std::vector<std::uint32_t> pieces_at_first_;  // by curve
-  const double least_triangles_;                      // estimated from the area
+  const std::uint64_t all_at_first_;
+  const double least_triangles_;  // estimated from the area
   std::vector<Face> faces_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one
@@ -454,7 +456,8 @@ ExcludedMesh mesh_excluded(const SphereSet& atoms, const ExcludedMeshOptions& op
                        : std::vector<std::uint8_t>(grown.surface.components.size(), 1);
   const PatchRecords records(grown.surface, included, options.monitor);
   const ShellTable shells = excluded_shells(grown.surface, records, included, grown.radius);
-  const CurveComplex complex(grown, included, options.monitor);
+  const CurveComplex complex(grown, included, std::ldexp(options.edge_length, -grown.exponent),
+                             options.monitor);
   const double surface_seconds = elapsed(begin);
   double area = 0;
   for (const ExcludedShell& s : shells.shells) area += s.area;

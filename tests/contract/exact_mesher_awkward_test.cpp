@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 
 #include "contract/exact_mesher_contract.hpp"
 #include "core/errors.hpp"
+#include "support/dice.hpp"
 #include "unit/arrangement/union_cases.hpp"
 
 namespace vdwmesh::testing {
@@ -81,6 +83,48 @@ class StopAtOnce : public Monitor {
   void advance(std::uint64_t) override {}
   bool cancelled() const override { return true; }
 };
+
+// Spheres through a point or a circle, shaken: several sets of feature sizes are tried in turn, and
+// curves are split again and again. Whatever the limit, there is the same mesh or none.
+TEST_P(ExactMesherAwkward, LessMemoryIsNeverAnotherMesh) {
+  Dice dice(34);
+  const auto shaken = [&](std::vector<Sphere> spheres, double by) {
+    for (Sphere& s : spheres) {
+      s.center = s.center + Vec3d{dice.real(-by, by), dice.real(-by, by), dice.real(-by, by)};
+    }
+    return SphereSet(spheres);
+  };
+  std::vector<Sphere> ring, pencil;
+  for (int i = 0; i < 6; ++i) {
+    const double turn = i * std::numbers::pi / 3, height = 0.4 * i - 1;
+    ring.push_back({{std::cos(turn), std::sin(turn), 0}, 1});
+    pencil.push_back({{0, 0, height}, std::hypot(1.0, height)});
+  }
+  int meshes = 0, refused = 0;
+  for (const double by : {1e-16, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5}) {
+    for (const SphereSet& set : {shaken(ring, by), shaken(pencil, by)}) {
+      const auto outcome = [&](std::uint64_t limit) -> std::optional<IndexedMeshHash> {
+        ExactMeshOptions options;
+        options.edge_length = 0.3;
+        options.memory_limit = limit;
+        try {
+          return hash(mesh_with(set, options).mesh);
+        } catch (const LimitExceeded&) {
+          return std::nullopt;
+        }
+      };
+      const auto best = outcome(kNoMemoryLimit);
+      for (std::uint64_t limit = std::uint64_t{1} << 15; limit < std::uint64_t{1} << 26;
+           limit *= 2) {
+        const auto found = outcome(limit);
+        if (found) EXPECT_EQ(found, best) << by << " with " << limit << " bytes";
+        found ? ++meshes : ++refused;
+      }
+    }
+  }
+  EXPECT_GT(meshes, 0);
+  EXPECT_GT(refused, 0);
+}
 
 TEST_P(ExactMesherAwkward, StopsWhenAsked) {
   StopAtOnce monitor;

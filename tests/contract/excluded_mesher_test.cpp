@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,6 +88,32 @@ TEST(ExcludedMesher, ThinWaists) {
     const double rho = 1.4 + waist, distance = 2 * std::sqrt(2.9 * 2.9 - rho * rho);
     expect_mesh(SphereSet({{{0, 0, 0}, 1.5}, {{distance, 0, 0}, 1.5}}), 1.4, 0.35);
   }
+}
+
+// The probe's circle has just the probe's radius, or differs from it by less than any edge can
+// show: a waist of no width, which gets a few flat triangles and no point on the axis.
+TEST(ExcludedMesher, WaistsOfNoWidth) {
+  constexpr std::uint64_t kMostTriangles = 50'000;
+  struct Tie {
+    double radius, distance, probe;
+  };
+  for (const auto& [radius, distance, probe] : {Tie{1, 4, 1.5}, Tie{2, 8, 3}}) {
+    for (const double less : {0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-5}) {
+      for (const double edge_length : {0.7, 0.35, 0.1}) {
+        SCOPED_TRACE(::testing::Message() << distance << " less " << less << ", " << edge_length);
+        const double d = distance * (1 - less);
+        const SphereSet pair({{{0, 0, 0}, radius}, {{d, 0, 0}, radius}});
+        const ExcludedMesh mesh = expect_mesh(pair, probe, edge_length);
+        const double ideal = measures(mesh.mesh).area / (0.43 * edge_length * edge_length);
+        EXPECT_LT(static_cast<double>(mesh.mesh.triangle_count()), kMostTriangles + 2 * ideal);
+      }
+    }
+  }
+  std::vector<Sphere> lattice;
+  for (int i = 0; i < 8; ++i) {
+    lattice.push_back({{4.0 * (i & 1), 2.0 * (i & 2), 1.0 * (i & 4)}, 1});
+  }
+  expect_mesh(SphereSet(lattice), 1.5, 0.35);
 }
 
 // The probes are high; low, so that their patches meet in a crease; or there are none.
@@ -183,6 +210,32 @@ TEST(ExcludedMesher, CurvesTooCloseAreRefused) {
     EXPECT_NE(std::string(error.what()).find("too close to be told apart"), std::string::npos)
         << error.what();
   }
+}
+
+// Rings of atoms whose hole is just the probe: the patches of its two mirror images have no width,
+// along all sides at once. The limit of pieces of all curves ends the splitting.
+TEST(ExcludedMesher, RingsThatHoldTheProbeAreRefused) {
+  constexpr double kAround = 2.9;  // Å: 1.5 and 1.4
+  for (const int count : {4, 5, 8}) {
+    std::vector<Sphere> ring;
+    for (int i = 0; i < count; ++i) {
+      const double turn = 2 * std::numbers::pi * i / count + 0.3;
+      ring.push_back({{kAround * std::cos(turn), kAround * std::sin(turn), 0}, 1.5});
+    }
+    try {
+      mesh_at(SphereSet(ring), 1.4, 0.35);
+      ADD_FAILURE() << "there is a mesh";
+    } catch (const LimitExceeded& error) {
+      EXPECT_NE(std::string(error.what()).find("points on all of them"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+// A mesh of a few MB, of patches that are a thousandth of their probe's sphere.
+TEST(ExcludedMesher, SmallPatchesOfHugeProbes) {
+  const SphereSet atoms({{{0, 0, 0}, 1.7}, {{3, 0, 0}, 1.5}, {{1.4, 2.6, 0}, 1.6}});
+  EXPECT_LT(mesh_at(atoms, 1e6, 0.1).mesh.triangle_count(), 100'000u);
 }
 
 // Sets in general position; a set that has no mesh says so, and there may be few of them.

@@ -143,7 +143,10 @@ inline std::size_t work_bytes(const PatchSizes& sizes) {
 struct FixedLattice {
   const Vec3d* first;
   std::size_t count;
-  VDWMESH_HD std::span<const Vec3d> points(double) const { return {first, count}; }
+  template <class Margins>
+  VDWMESH_HD std::span<const Vec3d> points(double, const Margins&) const {
+    return {first, count};
+  }
 };
 
 struct BoundedPatch {

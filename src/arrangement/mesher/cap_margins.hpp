@@ -32,6 +32,18 @@ class CapMargins {
     }
   }
 
+  // Whether one cap with its margin covers all points that are up to the angle `radius` (rad) from
+  // a point. Not all that are covered are found: rounding has 1e-7 rad of room.
+  bool covers(const Vec3d& center, double radius) const {
+    constexpr double kRoom = 1e-7;
+    for (std::size_t i = 0; i < bounds_.size(); ++i) {
+      const double apart = 2 * std::asin(std::min(1.0, norm(center - caps_[i].axis) / 2));
+      if (bounds_[i] < -1 || apart + radius + kRoom < std::acos(std::min(bounds_[i], 1.0)))
+        return true;
+    }
+    return false;
+  }
+
   // Begins with the cap that the point before was too near to: mostly this one is, too.
   VDWMESH_HD bool is_clear(const Vec3d& u) {
     const auto is_near = [&](std::size_t cap) {

@@ -21,7 +21,7 @@ namespace vdwmesh {
 namespace {
 
 // Of all points a patch may have on a device, and of all parts of an icosahedron's edge.
-constexpr std::uint32_t kMostPoints = 2048, kMostParts = 64;
+constexpr std::uint32_t kMostPoints = 2048, kMostParts = SpherePoints::kMostPartsOfWhole;
 
 // Of the points of an icosahedron each edge of which has so many parts.
 std::uint64_t lattice_bytes(std::uint32_t parts) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "arrangement/mesher/angle_floors.hpp"
+#include "arrangement/mesher/cap_margins.hpp"
 #include "arrangement/mesher/patch_angles.hpp"
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
@@ -59,13 +60,18 @@ struct PatchMesh {
 
 // Points spread evenly over the unit sphere, from which mesh_patch() takes interior points of a
 // patch. They are those of mesh_sphere(), in another order. Patches of a molecule have few
-// different edge lengths, so the points for some of them are cached.
+// different edge lengths, so the points for some of them are cached. Where the edge is short beside
+// the sphere only those near the patch are made, so that memory and time are those of the patch.
 class SpherePoints {
  public:
+  // The whole sphere's points are made up to so many parts of an edge.
+  static constexpr std::uint32_t kMostPartsOfWhole = 64;
   // How many parts an edge of the icosahedron is divided into. The points follow from it.
   static std::uint32_t parts(double edge_length);
-  // Valid until the next call.
+  // Both are valid until the next call. With margins: those of the same points, in the same order,
+  // that may be clear of them.
   const std::vector<Vec3d>& points(double edge_length);
+  const std::vector<Vec3d>& points(double edge_length, const CapMargins<GrowingMemory>& margins);
 
  private:
   struct Kept {
@@ -75,6 +81,7 @@ class SpherePoints {
   // By the number of parts of an edge, modulo 8. Of several numbers that fall into one element, it
   // keeps the points for the one asked for last.
   std::array<Kept, 8> kept_;
+  std::vector<Vec3d> some_;
 };
 
 // A patch between two rounds of meshing: its boundary, and the triangulation of the boundary in the

@@ -45,8 +45,8 @@ inline constexpr int kMoreSmoothingPasses = 4;
 // boundary and face inwards.
 inline constexpr double kLongestEdge = 1;
 
-// One attempt to mesh one patch; run() lists the steps. Lattice has the points of the divided
-// icosahedron for an edge length: points(edge_length), in radii, something to loop over.
+// One attempt to mesh one patch; run() lists the steps. Lattice has the divided icosahedron's
+// points(edge_length in radii, margins) to loop over, at least those clear of the margins.
 template <class Memory, class Lattice>
 class PatchTriangulator {
  public:
@@ -274,7 +274,9 @@ class PatchTriangulator {
   VDWMESH_HD void insert_lattice() {
     CapMargins<Memory> margins(boundary_.caps, kLatticeMargin * edge_length_, work_.margins);
     std::uint32_t near = plane_.triangle_at(0);
-    for (const Vec3d& u : lattice_.points(edge_length_)) {
+    for ([[maybe_unused]] std::size_t step = 0;
+         const Vec3d& u : lattice_.points(edge_length_, margins)) {
+      if constexpr (!Memory::kIsBounded) check_cancelled(monitor_, step++);
       if (!margins.is_clear(u)) continue;
       const PlanePoint p = projection_.project(u);
       const Location at = plane_.locate(p, near);

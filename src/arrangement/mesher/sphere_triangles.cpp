@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "arrangement/mesher/patch_mesher.hpp"
@@ -127,24 +128,105 @@ PatchMesh mesh_sphere(double edge_length) {
 
 namespace {
 
+// The points of a face, by row i and place j in it. The same rows as in FaceDivider; row i is
+// parallel to the edge bc of the face. Each edge belongs to two faces, which run along it in
+// opposite directions. Its points are made by the face that runs from the lower corner to the
+// higher one. The corners, where two of ab, ac, bc hold, are made apart.
+class FacePoints {
+ public:
+  FacePoints(const std::array<std::uint32_t, 3>& face, std::span<const Vec3d> corners,
+             std::uint32_t n)
+      : face_(face), corners_(corners), n_(n) {}
+
+  bool has(std::uint32_t i, std::uint32_t j) const {
+    const auto& [a, b, c] = face_;
+    const bool ab = j == 0, ac = j == i, bc = i == n_;
+    return ab + ac + bc <= 1 && !(ab && a > b) && !(ac && c > a) && !(bc && b > c);
+  }
+  Vec3d at(std::uint32_t i, std::uint32_t j) const {
+    const Vec3d p = static_cast<double>(n_ - i) * corners_[face_[0]] +
+                    static_cast<double>(i - j) * corners_[face_[1]] +
+                    static_cast<double>(j) * corners_[face_[2]];
+    return (1 / norm(p)) * p;
+  }
+
+ private:
+  std::array<std::uint32_t, 3> face_;
+  std::span<const Vec3d> corners_;
+  std::uint32_t n_;
+};
+
+// The places of a face whose points may be clear of margins: halves blocks of rows and places until
+// a cap covers a block, or it is small.
+class ClearPlaces {
+ public:
+  using Place = std::pair<std::uint32_t, std::uint32_t>;  // i, j
+  ClearPlaces(const FacePoints& points, const CapMargins<GrowingMemory>& margins)
+      : points_(points), margins_(margins) {}
+
+  std::vector<Place> of_face(std::uint32_t n) {
+    find({1, 0}, {n, n});
+    std::sort(places_.begin(), places_.end());
+    return std::move(places_);
+  }
+
+ private:
+  // All places from `low` to `high`, both with them. Rows have j <= i.
+  void find(Place low, Place high) {
+    low.first = std::max(low.first, low.second);
+    high.second = std::min(high.second, high.first);
+    if (low.first > high.first || low.second > high.second || is_covered(low, high)) return;
+    constexpr std::uint32_t kSmall = 4;
+    const std::uint32_t rows = high.first - low.first, width = high.second - low.second;
+    if (std::max(rows, width) < kSmall) return add(low, high);
+    if (rows > width) {
+      const std::uint32_t middle = low.first + rows / 2;
+      find(low, {middle, high.second});
+      find({middle + 1, low.second}, high);
+    } else {
+      const std::uint32_t middle = low.second + width / 2;
+      find(low, {high.first, middle});
+      find({low.first, middle + 1}, high);
+    }
+  }
+
+  void add(const Place& low, const Place& high) {
+    for (std::uint32_t i = low.first; i <= high.first; ++i) {
+      for (std::uint32_t j = low.second; j <= std::min(i, high.second); ++j) {
+        if (points_.has(i, j)) places_.emplace_back(i, j);
+      }
+    }
+  }
+
+  // On the sphere a block lies in every cap, less than half of the sphere, that has its corners.
+  bool is_covered(const Place& low, const Place& high) const {
+    const std::array<Vec3d, 5> corners{
+        points_.at(low.first, low.second), points_.at(low.first, std::min(high.second, low.first)),
+        points_.at(std::max(low.first, high.second), high.second),
+        points_.at(high.first, high.second), points_.at(high.first, low.second)};
+    Vec3d sum{0, 0, 0};
+    for (const Vec3d& c : corners) sum = sum + c;
+    const Vec3d center = (1 / norm(sum)) * sum;
+    double farthest = 0;
+    for (const Vec3d& c : corners) farthest = std::max(farthest, norm(c - center));
+    return margins_.covers(center, 2 * std::asin(farthest / 2));
+  }
+
+  const FacePoints& points_;
+  const CapMargins<GrowingMemory>& margins_;
+  std::vector<Place> places_;
+};
+
 // The points of the icosahedron whose edges are divided into n parts.
 VDWMESH_MULTIVERSION std::vector<Vec3d> divided_points(std::uint32_t n) {
   const std::vector<Vec3d> corners = icosahedron_points();
   std::vector<Vec3d> points = corners;
   points.reserve(10 * std::size_t{n} * n + 2);
-  // The same rows as in FaceDivider; row i is parallel to the edge bc of the face. Each edge
-  // belongs to two faces, which run along it in opposite directions. Its points are made by the
-  // face that runs from the lower corner to the higher one. The corners, where two of ab, ac, bc
-  // hold, are already in the list.
-  for (const auto& [a, b, c] : kFaces) {
+  for (const auto& face : kFaces) {
+    const FacePoints of_face(face, corners, n);
     for (std::uint32_t i = 1; i <= n; ++i) {
       for (std::uint32_t j = 0; j <= i; ++j) {
-        const bool ab = j == 0, ac = j == i, bc = i == n;
-        if (ab + ac + bc > 1 || (ab && a > b) || (ac && c > a) || (bc && b > c)) continue;
-        const Vec3d p = static_cast<double>(n - i) * corners[a] +
-                        static_cast<double>(i - j) * corners[b] +
-                        static_cast<double>(j) * corners[c];
-        points.push_back((1 / norm(p)) * p);
+        if (of_face.has(i, j)) points.push_back(of_face.at(i, j));
       }
     }
   }
@@ -160,6 +242,21 @@ const std::vector<Vec3d>& SpherePoints::points(double edge_length) {
   Kept& kept = kept_[parts % kept_.size()];
   if (kept.parts != parts) kept = {parts, divided_points(parts)};
   return kept.points;
+}
+
+const std::vector<Vec3d>& SpherePoints::points(double edge_length,
+                                               const CapMargins<GrowingMemory>& margins) {
+  const std::uint32_t n = SpherePoints::parts(edge_length);
+  if (n <= kMostPartsOfWhole) return points(edge_length);
+  const std::vector<Vec3d> corners = icosahedron_points();
+  some_ = corners;
+  for (const auto& face : kFaces) {
+    const FacePoints of_face(face, corners, n);
+    for (const auto& [i, j] : ClearPlaces(of_face, margins).of_face(n)) {
+      some_.push_back(of_face.at(i, j));
+    }
+  }
+  return some_;
 }
 
 }  // namespace vdwmesh

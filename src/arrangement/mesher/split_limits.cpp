@@ -39,13 +39,16 @@ SplitLimits::SplitLimits(std::span<const SphereId> ids, const BoundaryArcs& boun
       pieces_of_arc_at_first_(sampling.pieces()),
       allowed_growth_(boundary.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth) {}
 
-void SplitLimits::refuse(const ArcPiece& piece) const {
+void SplitLimits::refuse(const ArcPiece& piece, const std::string& by) const {
   const auto& balls = boundary_.arcs[piece.arc].balls;
   throw CurvesTooClose(fmt::format(
-      "where spheres {} and {} meet, curves of the boundary are too close to be told apart in "
-      "double precision: leave out one of two spheres that all but coincide, or use marching "
-      "cubes",
-      ids_[balls[0]], ids_[balls[1]]));
+      "where spheres {} and {} meet, curves of the boundary are too close to be told apart {}: "
+      "leave out one of two spheres that all but coincide, or use marching cubes",
+      ids_[balls[0]], ids_[balls[1]], by));
+}
+
+void SplitLimits::refuse_after(int rounds, const ArcPiece& piece) const {
+  refuse(piece, fmt::format("in {} rounds of splitting them", rounds));
 }
 
 void SplitLimits::refuse_coincident(std::uint32_t ball) const {
@@ -67,7 +70,9 @@ bool SplitLimits::is_straight(const ArcPiece& piece, double times) const {
 
 void SplitLimits::check_straightness(std::span<const PieceSplit> splits) const {
   const auto is_straight_piece = [&](std::size_t i) { return is_straight(splits[i].piece); };
-  if (const auto i = first_of_all(splits.size(), is_straight_piece)) refuse(splits[*i].piece);
+  if (const auto i = first_of_all(splits.size(), is_straight_piece)) {
+    refuse(splits[*i].piece, "in double precision");
+  }
 }
 
 bool SplitLimits::has_grown(std::uint64_t now, std::uint64_t at_first) const {
@@ -89,8 +94,8 @@ bool SplitLimits::leave_room(std::span<const PieceSplit> splits) const {
 void SplitLimits::check_fit(const Growth& growth) const {
   if (growth.fits) return;
   throw LimitExceeded(fmt::format(
-      "a mesh with {} points on its creases, enough for the floors of its angles, needs more than "
-      "{} bytes of memory: allow more, or use a larger edge length",
+      "a mesh with {} points on its creases needs more than {} bytes of memory: allow more, or use "
+      "a larger edge length",
       growth.pieces, growth.memory_limit));
 }
 
@@ -101,20 +106,17 @@ void SplitLimits::check_growth(std::span<const PieceSplit> splits, const Growth&
     const std::uint32_t arc = splits[i].piece.arc;
     return has_grown(sampling_.pieces(arc), pieces_of_arc_at_first_[arc]);
   };
-  if (const auto i = first_of_all(splits.size(), is_too_fine)) refuse(splits[*i].piece);
-  if (growth.fits && !has_grown(growth.pieces, growth.pieces_at_first)) return;
+  if (const auto i = first_of_all(splits.size(), is_too_fine)) {
+    const ArcPiece& piece = splits[*i].piece;
+    refuse(piece, fmt::format("by {} points on one of them", sampling_.pieces(piece.arc)));
+  }
+  if (!has_grown(growth.pieces, growth.pieces_at_first)) return;
   if (splits.empty()) throw CurvesTooClose("the arcs of other processes have too many pieces");
   const auto& longest =
       *std::ranges::max_element(splits, [&](const PieceSplit& a, const PieceSplit& b) {
         return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
       });
-  if (growth.fits) refuse(longest.piece);
-  const auto& balls = boundary_.arcs[longest.piece.arc].balls;
-  throw CurvesTooClose(fmt::format(
-      "where spheres {} and {} meet, {} points are not enough to tell curves apart: allow more "
-      "memory than {} bytes, or leave out one of two spheres that all but coincide, or use "
-      "marching cubes",
-      ids_[balls[0]], ids_[balls[1]], growth.pieces, growth.memory_limit));
+  refuse(longest.piece, fmt::format("by {} points on all of them", growth.pieces));
 }
 
 }  // namespace vdwmesh

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "arrangement/mesher/arc_sampling.hpp"
@@ -24,22 +25,22 @@ class SplitLimits {
               const ArcSampling& sampling);
 
   // All without a result but check_fit() throw CurvesTooClose, with the spheres that meet in a
-  // piece.
-  [[noreturn]] void refuse(const ArcPiece& piece) const;
+  // piece, and with the limit that ended the splitting.
+  [[noreturn]] void refuse_after(int rounds, const ArcPiece& piece) const;
   // Of two curves on the sphere of this ball that have a point in common where they should not.
   [[noreturn]] void refuse_coincident(std::uint32_t ball) const;
   // Gives up if a piece to be split is straight.
   void check_straightness(std::span<const PieceSplit> splits) const;
-  // Gives up if pieces just split have too many pieces on their arcs, if all arcs together have, or
-  // if they do not fit into memory. The counts are of all arcs, before any split and now.
+  // Gives up if pieces just split have too many pieces on their arcs, or if all arcs together have.
+  // The counts are of all arcs, before any split and now.
   struct Growth {
     std::uint64_t pieces_at_first, pieces;
     bool fits;
     std::uint64_t memory_limit;
   };
   void check_growth(std::span<const PieceSplit> splits, const Growth& growth) const;
-  // Throws LimitExceeded if they do not fit. While angles are raised above their floors this comes
-  // first: CurvesTooClose would lead to a mesh without floors, and the mesh to depend on memory.
+  // Throws LimitExceeded if they do not fit into memory. It comes before check_growth():
+  // CurvesTooClose would lead to another mesh, and the mesh to depend on memory.
   void check_fit(const Growth& growth) const;
   // Whether the arc has not so many pieces that splits for the angles of triangles must end, long
   // before check_growth() gives up; and whether this holds for all arcs of the pieces just split.
@@ -50,6 +51,8 @@ class SplitLimits {
   bool is_straight(const ArcPiece& piece, double times = 1) const;
 
  private:
+  // `by`: what did not tell the curves apart.
+  [[noreturn]] void refuse(const ArcPiece& piece, const std::string& by) const;
   bool has_grown(std::uint64_t now, std::uint64_t at_first) const;
 
   std::span<const SphereId> ids_;

@@ -194,7 +194,8 @@ class UnionMesher {
       const std::uint64_t wanted = last_splits_.size();
       if ((borders_ ? team_.sum(wanted) : wanted) == 0) return;
       agree([&] {
-        if (round == kMostRounds && wanted > 0) limits_.refuse(last_splits_.front().piece);
+        if (round == kMostRounds && wanted > 0)
+          limits_.refuse_after(round, last_splits_.front().piece);
         limits_.check_straightness(last_splits_);
       });
       stats_.split += borders_ ? borders_->count_own(last_splits_) : wanted;
@@ -209,7 +210,7 @@ class UnionMesher {
       });
       const SplitLimits::Growth growth{pieces_at_first_, all_pieces(), team_.least(fits) != 0,
                                        options_.memory_limit};
-      if (series == RoundSeries::floors) limits_.check_fit(growth);
+      limits_.check_fit(growth);
       agree([&] { limits_.check_growth(last_splits_, growth); });
       if (options_.min_angle > 0) leaves_room_ = leaves_room_ && limits_.leave_room(last_splits_);
     }

@@ -39,6 +39,26 @@ struct CreaseName {
   auto operator<=>(const CreaseName&) const = default;
 };
 
+// The parts of a saddle, from ball a to ball b. A saddle has a waist if its circle about the axis
+// is at its narrowest smaller than kThinWaist of the edge length. The waist ends where the circle
+// is some kEndOfWaist of it larger; or at an atom that is not much farther. It is never longer than
+// an edge, so that no curve has a point inside of it.
+std::vector<SaddlePart> saddle_parts(const RolledArc& arc, double p, double edge_length) {
+  constexpr double kThinWaist = 1e-4, kEndOfWaist = 0.005;
+  const Profile profile = profile_of(arc);
+  const auto& [first, last] = profile.end;
+  if (profile.spindle) return {{first, -profile.cusp, 0}, {profile.cusp, last, 1}};
+  const double edge = std::min(edge_length, p);
+  if (!(first < 0 && last > 0 && arc.circle_radius - p < kThinWaist * edge)) return {{first, last}};
+  const double end = std::min(std::sqrt(2 * kEndOfWaist * edge / p), edge / (4.01 * p));
+  const double from = first < -2 * end ? -end : first, to = last > 2 * end ? end : last;
+  std::vector<SaddlePart> parts;
+  if (from > first) parts.push_back({first, from});
+  parts.push_back({from, to, kNoIndex, true});
+  if (to < last) parts.push_back({to, last});
+  return parts;
+}
+
 // Calls visit(segment, from, to) for every crease of a patch.
 template <class Visit>
 void visit_creases(const AccessibleSurface& surface, const ConcavePatch& patch,
@@ -53,7 +73,7 @@ void visit_creases(const AccessibleSurface& surface, const ConcavePatch& patch,
 }  // namespace
 
 CurveComplex::CurveComplex(const GrownAtoms& grown, std::span<const std::uint8_t> included,
-                           Monitor* monitor)
+                           double edge_length, Monitor* monitor)
     : cut(cut_patches(grown.surface, included, monitor)), grown_(grown), included_(included) {
   curves.sizes = {0, 0};
   for (const ConcavePatch& patch : cut) {
@@ -63,7 +83,7 @@ CurveComplex::CurveComplex(const GrownAtoms& grown, std::span<const std::uint8_t
   place_corners();
   place_named_corners();
   for (std::uint32_t a = 0; a < surface().arcs.size(); ++a) {
-    if (counts(surface().arcs[a])) add_arc(a);
+    if (counts(surface().arcs[a])) add_arc(a, edge_length);
   }
   add_creases();
   const auto each_curve = [&](const auto& visit) {
@@ -191,9 +211,8 @@ std::array<std::uint32_t, 2> CurveComplex::ring_corners(const RolledArc& arc, co
   return corners;
 }
 
-void CurveComplex::add_arc(std::uint32_t a) {
+void CurveComplex::add_arc(std::uint32_t a, double edge_length) {
   const RolledArc& arc = surface().arcs[a];
-  const Profile profile = profile_of(arc);
   const bool ring = arc.is_ring();
   const std::array<Vec3d, 2> radial =
       ring ? std::array{any_orthogonal(arc.axis), any_orthogonal(arc.axis)} : arc.radial;
@@ -204,28 +223,52 @@ void CurveComplex::add_arc(std::uint32_t a) {
       corner[end][k] = contact_corner(arc.probe[end], arc.ball[k]);
     }
   }
-  const std::size_t halves = profile.spindle ? 2 : 1;
-  for (std::uint32_t h = 0; h < halves; ++h) {
+  const std::vector<SaddlePart> parts = saddle_parts(arc, surface().probe_radius, edge_length);
+  const auto cusp = [&](std::uint32_t half) {
+    const std::uint32_t at = named_corner(cusp_of(arc, half));
+    return PartEnd{kNoIndex, {at, at}};
+  };
+  PartEnd high{};  // of the part before
+  for (const SaddlePart& part : parts) {
     const auto index = static_cast<std::uint32_t>(saddles.size());
-    SaddleFace face{a, profile.spindle ? h : kNoIndex, {kNoIndex, kNoIndex}, {}};
-    for (std::uint32_t k = 0; k < 2; ++k) {
-      if (profile.spindle && k != h) continue;
-      face.contact[k] = add_contact(a, k, radial[0], {corner[0][k], corner[1][k]}, index);
-    }
-    for (std::size_t end = 0; end < 2; ++end) {
-      if (ring && end == 1) {
-        face.profile[1] = face.profile[0];
-        continue;
-      }
-      ProfileRange range{profile.end[0], profile.end[1], corner[end]};
-      if (profile.spindle) {
-        (h == 0 ? range.to : range.from) = h == 0 ? -profile.cusp : profile.cusp;
-        range.ends[1 - h] = named_corner(cusp_of(arc, h));
-      }
+    const auto contact = [&](std::uint32_t k) {
+      const std::array<std::uint32_t, 2> ends{corner[0][k], corner[1][k]};
+      return PartEnd{add_contact(a, k, radial[0], ends, index), ends};
+    };
+    const PartEnd low = &part == &parts.front() ? contact(0) : part.half == 1 ? cusp(1) : high;
+    high = &part == &parts.back() ? contact(1)
+           : part.half == 0       ? cusp(0)
+                                  : add_waist(a, part.to, radial, index);
+    SaddleFace face{a, part, {low.curve, high.curve}, {}};
+    for (std::size_t end = 0; end < (ring ? 1 : 2); ++end) {
+      const ProfileRange range{part.from, part.to, {low.corners[end], high.corners[end]}};
       face.profile[end] = add_profile(a, end, radial[end], range, index);
     }
+    if (ring) face.profile[1] = face.profile[0];
     saddles.push_back(face);
   }
+}
+
+// The curve along the arc between a part of a saddle and the next one, at a profile angle.
+CurveComplex::PartEnd CurveComplex::add_waist(std::uint32_t a, double profile,
+                                              const std::array<Vec3d, 2>& radial,
+                                              std::uint32_t saddle) {
+  const RolledArc& arc = surface().arcs[a];
+  const double p = surface().probe_radius, c = std::cos(profile), s = std::sin(profile);
+  BoundaryArc curve{};
+  curve.radius = arc.circle_radius - p * c;
+  curve.balls = {saddle_face(saddle), saddle_face(saddle + 1)};
+  curve.center = arc.center + (p * s) * arc.axis;
+  curve.cosine = curve.radius * radial[0];
+  curve.sine = curve.radius * cross(arc.axis, radial[0]);
+  curve.sweep = arc.angle;
+  for (std::size_t end = 0; end < 2; ++end) {
+    curve.ends[end] =
+        end == 1 && arc.is_ring()
+            ? curve.ends[0]
+            : add_corner(curve.center + curve.radius * radial[end], c * radial[end] - s * arc.axis);
+  }
+  return {add_curve(curve, {Kind::waist, {a, a}, {0, 0}}), curve.ends};
 }
 
 // The contact curve on the atom of ball k. It runs about the axis like the arc.
@@ -356,6 +399,11 @@ Vec3d CurveComplex::normal_on(std::uint32_t curve, const Vec3d& point) const {
   switch (rims_[curve].kind) {
     case Kind::contact:
       return toward(std::min(right, left));
+    case Kind::waist: {
+      const RolledArc& arc = surface().arcs[saddles[left - spheres.size()].arc];
+      const Vec3d radial = unit(point - curves.arcs[curve].center);
+      return unit(arc.center + arc.circle_radius * radial - point);
+    }
     case Kind::side:
       return unit(curves.arcs[curve].center - point);
     case Kind::crease:

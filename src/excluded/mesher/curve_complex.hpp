@@ -4,6 +4,8 @@
 // - An arc of the accessible surface gives two contact curves: its circle on either atom.
 // - A side of a probe gives the curve between saddle and concave patch; or two of them, to the
 //   cusps, if the saddle is a spindle.
+// - A saddle that nearly touches its own axis has a waist, with a curve along the arc at either
+// end.
 // - A whole ring has no sides. Its saddle is cut open along a seam, with the same patch on either
 //   side.
 // - A crease is the curve between the concave patches of two probes.
@@ -34,18 +36,28 @@ struct SphereFace {
   std::uint32_t patch;  // of a probe that others cut: in CurveComplex::cut; else kNoIndex
 };
 
-// A saddle, or one half of a spindle. Curves run from ball a to ball b, or along the arc.
+// The part of a saddle between two profile angles: the whole saddle, one half of a spindle, or the
+// waist of a saddle that nearly or just touches its own axis, or a part beside the waist. No point
+// of the mesh lies inside of a waist, so that none lie on top of each other on the axis.
+struct SaddlePart {
+  double from, to;
+  std::uint32_t half = kNoIndex;  // of a spindle: 0 near ball a, 1 near ball b; else kNoIndex
+  bool waist = false;
+};
+
+// A part as a face. Curves run from ball a to ball b, or along the arc.
 struct SaddleFace {
   std::uint32_t arc;
-  std::uint32_t half;  // of a spindle: 0 near ball a, 1 near ball b; else kNoIndex
-  std::array<std::uint32_t, 2> contact;  // curves on a and b; kNoIndex: it ends in the cusp there
+  SaddlePart part;
+  std::array<std::uint32_t, 2> contact;  // along the arc at from and to; kNoIndex: a cusp
   std::array<std::uint32_t, 2> profile;  // curves at start and end of the arc: a ring's seam twice
 };
 
 class CurveComplex {
  public:
-  // Throws LimitExceeded if a concave patch is not certified.
-  CurveComplex(const GrownAtoms& grown, std::span<const std::uint8_t> included, Monitor* monitor);
+  // `edge_length` is scaled. Throws LimitExceeded if a concave patch is not certified.
+  CurveComplex(const GrownAtoms& grown, std::span<const std::uint8_t> included, double edge_length,
+               Monitor* monitor);
 
   // BoundaryArc::balls are numbers of faces: the sphere faces, then the saddles.
   BoundaryArcs curves;
@@ -67,7 +79,7 @@ class CurveComplex {
   const GrownAtoms& grown() const { return grown_; }
 
  private:
-  enum class Kind : std::uint8_t { contact, side, crease };
+  enum class Kind : std::uint8_t { contact, waist, side, crease };
   // What a curve is to the face on its right (0) and on its left (1), if that is a sphere: an arc
   // of a circle with this name and this cosine of its angular radius.
   struct Rims {
@@ -91,7 +103,14 @@ class CurveComplex {
   std::uint32_t add_corner(const Vec3d& position, const Vec3d& normal);
   std::uint32_t add_curve(const BoundaryArc& curve, const Rims& rims);
 
-  void add_arc(std::uint32_t arc);
+  // Where a saddle's part ends: the curve along the arc, and its corners at the arc's ends.
+  struct PartEnd {
+    std::uint32_t curve;
+    std::array<std::uint32_t, 2> corners;
+  };
+  void add_arc(std::uint32_t arc, double edge_length);
+  PartEnd add_waist(std::uint32_t arc, double profile, const std::array<Vec3d, 2>& radial,
+                    std::uint32_t saddle);
   std::array<std::uint32_t, 2> ring_corners(const RolledArc& arc, const Vec3d& radial);
   std::uint32_t add_contact(std::uint32_t arc, std::uint32_t k, const Vec3d& radial,
                             std::array<std::uint32_t, 2> ends, std::uint32_t saddle);

@@ -9,6 +9,8 @@
 // a spindle is mapped to a sector instead: exp(-κ s), with κ = sin θ, is the distance from the
 // origin, κ φ is the angle, and the cusp is the origin. Distances from it are in closed form:
 // sin((|α| - θ) / 2) / sin((|α| + θ) / 2).
+//
+// A waist, which has no points inside, is mapped to the plane of φ and α.
 #pragma once
 
 #include <cmath>
@@ -16,6 +18,7 @@
 #include <numbers>
 
 #include "arrangement/mesher/plane_predicates.hpp"
+#include "excluded/mesher/curve_complex.hpp"
 #include "excluded/saddle.hpp"
 
 namespace vdwmesh::excluded {
@@ -28,21 +31,21 @@ struct TorusPoint {
 
 class SaddleChart {
  public:
-  // `radial`: the direction from the circle's centre to the probe at φ = 0. `half`: of a spindle, 0
-  // near ball a and 1 near ball b; else any other number.
-  SaddleChart(const RolledArc& arc, double probe_radius, const Vec3d& radial, std::uint32_t half)
+  // `radial`: the direction from the circle's centre to the probe at φ = 0.
+  SaddleChart(const RolledArc& arc, double probe_radius, const Vec3d& radial,
+              const SaddlePart& part)
       : p_(probe_radius),
         rho_(arc.circle_radius),
         center_(arc.center),
         axis_(arc.axis),
         first_(radial),
         second_(cross(arc.axis, radial)),
-        sector_(half < 2),
-        sign_(half == 1 ? -1 : 1) {
-    const Profile profile = profile_of(arc);
-    from_ = sector_ && half == 1 ? profile.cusp : profile.end[0];
-    to_ = sector_ && half == 0 ? -profile.cusp : profile.end[1];
-    cusp_ = profile.cusp;
+        sector_(part.half < 2),
+        waist_(part.waist),
+        sign_(part.half == 1 ? -1 : 1),
+        from_(part.from),
+        to_(part.to),
+        cusp_(profile_of(arc).cusp) {
     sine_ = std::sin(cusp_);
     half_tangent_ = std::tan(cusp_ / 2);
     start_ = std::tan(from_ / 2);
@@ -56,6 +59,7 @@ class SaddleChart {
   double girth(double profile) const { return rho_ - p_ * std::cos(profile); }
 
   PlanePoint project(const TorusPoint& q) const {
+    if (waist_) return {q.turn, q.profile};
     if (!sector_) return {q.turn, 2 * p_ / (rho_ + p_) * integral(std::tan(q.profile / 2))};
     const double size = std::abs(q.profile);
     const double r = std::sin((size - cusp_) / 2) / std::sin((size + cusp_) / 2);
@@ -64,6 +68,7 @@ class SaddleChart {
 
   // The inverse of project(), up to rounding.
   TorusPoint lift(const PlanePoint& w) const {
+    if (waist_) return {w.x, w.y};
     if (!sector_) return {w.x, 2 * std::atan(tangent(w.y * (rho_ + p_) / (2 * p_)))};
     const double r = std::hypot(w.x, w.y);
     double angle = std::atan2(sign_ * w.y, w.x);
@@ -102,7 +107,7 @@ class SaddleChart {
 
   double p_, rho_;
   Vec3d center_, axis_, first_, second_;
-  bool sector_;
+  bool sector_, waist_;
   double sign_;
   double from_, to_, cusp_, sine_, half_tangent_;
   double start_, gap_;  // t₀ and D

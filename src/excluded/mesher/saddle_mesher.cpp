@@ -6,6 +6,8 @@
 // rows of points; (5) insert circumcentres of bad triangles (Chew); (6) look for triangles that
 // face inwards.
 //
+// A waist gets no points inside: its triangles reach from end to end.
+//
 // In a cusp the mesh ends in a fan of triangles, whose angles are given by the cusp.
 #include "excluded/mesher/saddle_mesher.hpp"
 
@@ -53,7 +55,7 @@ class SaddleTriangulator {
         sampling_(sampling),
         face_(face),
         arc_(complex.grown().surface.arcs[face.arc]),
-        chart_(arc_, complex.grown().surface.probe_radius, radial_of(complex, face), face.half),
+        chart_(arc_, complex.grown().surface.probe_radius, radial_of(complex, face), face.part),
         options_(options),
         edge_length_(
             std::min(options.edge_length, kLongestEdge * complex.grown().surface.probe_radius)),
@@ -63,10 +65,12 @@ class SaddleTriangulator {
     gather();
     if (!insert_boundary()) return requests();
     mark_inside();
-    find_long_pieces();
+    if (!face_.part.waist) find_long_pieces();
     if (!splits_.empty() || options_.stage == PatchStage::boundary) return requests();
-    insert_rows();
-    refine();
+    if (!face_.part.waist) {
+      insert_rows();
+      refine();
+    }
     find_defects();
     if (!splits_.empty()) return requests();
     return finish();
@@ -138,7 +142,7 @@ class SaddleTriangulator {
 
   // Whether sample point k of a profile curve is the cusp.
   bool is_cusp_end(std::uint32_t run, std::uint32_t k, std::uint32_t n) const {
-    return run % 2 == 1 && ((face_.half == 0 && k == n) || (face_.half == 1 && k == 0));
+    return run % 2 == 1 && ((face_.part.half == 0 && k == n) || (face_.part.half == 1 && k == 0));
   }
 
   std::uint32_t piece_count() const { return boundary_count_; }
@@ -369,11 +373,17 @@ class SaddleTriangulator {
       if (sound) return;
       const std::size_t before = splits_.size();
       for (const std::uint32_t piece : w.pieces) {
-        if (piece != kNoPiece) want_split(piece);
+        if (piece != kNoPiece && may_split(piece)) want_split(piece);
       }
       if (splits_.size() > before) return;
-      for (std::uint32_t p = 0; p < piece_count(); ++p) want_split(p);
+      for (std::uint32_t p = 0; p < piece_count(); ++p) {
+        if (may_split(p)) want_split(p);
+      }
     });
+  }
+  // The sides of a waist would get points on the axis.
+  bool may_split(std::uint32_t piece) const {
+    return !face_.part.waist || pieces_[piece].run % 2 == 0;
   }
 
   SaddleMesh finish() {

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "arrangement/mesher/cap_margins.hpp"
+#include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 #include "support/dice.hpp"
 
@@ -113,6 +115,53 @@ TEST(PatchDefects, SmallAnglesAreSeenWhereverTheyAre) {
   }
   EXPECT_GT(small, 20'000u);
   EXPECT_GT(others, 20'000u);
+}
+
+// Those that may be clear of margins: the same points in the same order, and few others.
+TEST(SpherePoints, NearAPatch) {
+  testing::Dice dice(7);
+  for (const double edge_length : {1.0 / 60, 1.0 / 90, 1.0 / 200}) {
+    for (int i = 0; i < 8; ++i) {
+      // What three caps leave: a triangle as around a probe, or a strip beside two large caps.
+      std::vector<CoveredCap> caps;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3d axis = unit({dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1)});
+        const double cosine = i % 2 == 0 ? 0 : dice.real(-0.9, 0.5);
+        caps.push_back({axis, cosine, 2 * (1 - cosine)});
+      }
+      PatchVector<double> scratch;
+      CapMargins<GrowingMemory> margins(caps, 0.5 * edge_length, scratch);
+      SpherePoints all, some;
+      std::vector<Vec3d> clear, clear_of_some;
+      for (const Vec3d& u : all.points(edge_length)) {
+        if (margins.is_clear(u)) clear.push_back(u);
+      }
+      const std::vector<Vec3d>& near = some.points(edge_length, margins);
+      for (const Vec3d& u : near) {
+        if (margins.is_clear(u)) clear_of_some.push_back(u);
+      }
+      EXPECT_EQ(clear_of_some, clear);
+      if (SpherePoints::parts(edge_length) > SpherePoints::kMostPartsOfWhole) {
+        const auto around = static_cast<std::size_t>(200 / edge_length);
+        EXPECT_LT(near.size(), clear.size() + around);
+      }
+    }
+  }
+}
+
+// A patch of 1e-3 of the sphere with edges of 1e-7 of it in a strip: only its own points are made.
+TEST(SpherePoints, OfASmallPatchOfAHugeSphere) {
+  std::vector<CoveredCap> caps;
+  for (int k = 0; k < 3; ++k) {
+    const double turn = 2 * std::numbers::pi * k / 3;
+    const Vec3d axis = unit({std::cos(turn), std::sin(turn), -1e-4});
+    caps.push_back({axis, 0, 2});
+  }
+  PatchVector<double> scratch;
+  constexpr double kEdge = 1e-6;
+  const CapMargins<GrowingMemory> margins(caps, 0.5 * kEdge, scratch);
+  SpherePoints points;
+  EXPECT_LT(points.points(kEdge, margins).size(), 200'000u);
 }
 
 }  // namespace
