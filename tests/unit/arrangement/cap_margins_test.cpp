@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "arrangement/directions.hpp"
 #include "support/ball_families.hpp"
 #include "support/dice.hpp"
 
