@@ -86,6 +86,7 @@ void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Sessi
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
   wanted.topology = options.topology;
   wanted.certify = options.certify == Switch::on;
+  wanted.memory_limit = session.machine.memory_limit;
   if (measured) wanted.measured = *measured;
   report.exact.emplace();
   exact_union_into(*report.exact, spheres, wanted);

@@ -148,7 +148,7 @@ class FeatureSizeSearch {
   }
 
   BoundaryArcs place(const FeatureSizes& sizes) const {
-    return boundary_arcs(arrangement_.balls, arrangement_.boundary, sizes);
+    return boundary_arcs(arrangement_.balls, arrangement_.boundary, sizes, options_.monitor);
   }
 
   bool is_refused(const BoundaryArcs& boundary) const {
@@ -173,7 +173,8 @@ class FeatureSizeSearch {
       team_.together([&] {
         exact_ = arrangement_.whole
                      ? surface_topology(*arrangement_.whole)
-                     : surface_topology(whole_complex(arrangement_.balls, options_.monitor));
+                     : surface_topology(whole_complex(arrangement_.balls, options_.monitor,
+                                                      options_.memory_limit));
       });
     }
     const SurfaceTopology found = team_.topology();
@@ -315,7 +316,7 @@ ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSe
     if (const auto stats = mesh_in_parts(team, spheres, options)) return *stats;
   }
   std::optional<Arrangement> arrangement;
-  team.together([&] { arrangement = arrange(spheres, options.monitor); });
+  team.together([&] { arrangement = arrange(spheres, options.monitor, options.memory_limit); });
   const double arrangement_seconds = seconds_since(begin);
   ExactMeshStats stats = FeatureSizeSearch(*arrangement, options, device, team).run();
   stats.triangulated_balls =

@@ -77,7 +77,8 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   Monitor* const monitor = options.monitor;
   constexpr std::uint64_t kSteps = 3;
   begin_stage(monitor, "exact union", kSteps);
-  const PowerTriangulation triangulation = triangulate(spheres, monitor);
+  const PowerTriangulation triangulation =
+      triangulate(spheres, monitor, std::nullopt, options.memory_limit);
   advance(monitor, 1);
   const DualComplex complex = dual_complex(triangulation, monitor);
   advance(monitor, 1);
@@ -121,8 +122,10 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
 
 // The certificate for methods that have no triangulation.
 UnionCertificate certificate_by_triangulation(const SphereSet& spheres,
-                                              const MeasuredSpheres& measured, Monitor* monitor) {
-  const PowerTriangulation triangulation = triangulate(spheres, monitor);
+                                              const MeasuredSpheres& measured, Monitor* monitor,
+                                              std::uint64_t memory_limit) {
+  const PowerTriangulation triangulation =
+      triangulate(spheres, monitor, std::nullopt, memory_limit);
   return certify(spheres, triangulation, dual_complex(triangulation, monitor), measured, monitor);
 }
 
@@ -268,7 +271,8 @@ void measure_union(ExactUnion& result, const SphereSet& spheres, const UnionOpti
     case UnionMethod::arcs:
       union_by_arcs(result, spheres, measured, options.topology, options.monitor, workspace);
       if (options.certify) {
-        result.certificate = certificate_by_triangulation(spheres, measured, options.monitor);
+        result.certificate =
+            certificate_by_triangulation(spheres, measured, options.monitor, options.memory_limit);
       }
       return;
     case UnionMethod::both:

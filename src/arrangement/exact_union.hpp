@@ -22,6 +22,7 @@
 #include "core/monitor.hpp"
 #include "core/workspace.hpp"
 #include "spheres/sphere_set.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 
@@ -52,6 +53,9 @@ struct UnionOptions {
   // their order does not matter, and a repeated id counts once.
   std::optional<std::span<const SphereId>> measured = std::nullopt;
   bool certify = false;  // ExactUnion::certificate is wanted; every method can have it
+  // Bytes, of the triangulation of all balls, if there is one: its cells may be as many as there
+  // are pairs of balls.
+  std::uint64_t memory_limit = kNoMemoryLimit;
 };
 
 // Both are NaN for a sphere that was not to be measured.
@@ -129,8 +133,8 @@ struct ExactUnion {
   // (Gauss–Bonnet, pyramids), which checks the sums but not the complex. Method both uses the arcs,
   // which share no code with the complex. Method arcs has no check.
   std::optional<double> check_area, check_volume;
-  // Methods arcs and both: spheres whose result from the arcs failed a check, so that the result
-  // from a triangulation stands in for it.
+  // Methods arcs and both: spheres whose result from the arcs failed a check, or that more than
+  // some hundred others overlap, so that the result from a triangulation stands in for it.
   std::uint64_t fallback_spheres = 0;
   // Method arcs, if counts are wanted: spheres for which rounding might decide about the topology.
   // They include fallback_spheres.
@@ -139,7 +143,7 @@ struct ExactUnion {
 };
 
 // Throws InvalidInput for an empty set, an id in `measured` that is no sphere, or if a measure is
-// not finite in double; and Cancelled.
+// not finite in double; LimitExceeded, and Cancelled.
 ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options = {});
 
 // The same, written into an existing result, whose arrays are reused. If this throws, the contents

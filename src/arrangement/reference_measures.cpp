@@ -32,15 +32,21 @@ std::vector<SphereMeasures> reference_measures(const SphereSet& spheres) {
 std::vector<NumberedBall> balls_near(const CellListView& list, const SphereSet& spheres,
                                      std::span<const SphereId> wanted) {
   std::vector<NumberedBall> near;
+  std::vector<std::uint8_t> is_taken(list.size, 0);  // by list place
   for (const SphereId id : wanted) {
+    if (near.size() == list.size) break;
     const Sphere& s = spheres[id];
     const Vec3d reach{s.radius, s.radius, s.radius};
     // The other ball's radius is its reach in the list.
     visit_near_box(list, s.center - reach, s.center + reach, [&](ListPlace place) {
+      if (is_taken[to_index(place)]) return false;
       const Sphere& other = list.spheres[place];
       const Vec3d to = other.center - s.center;
       const double sum = (1 + arcs::kTouching) * (s.radius + other.radius);
-      if (dot(to, to) <= sum * sum) near.push_back({list.id[place], other});
+      if (dot(to, to) <= sum * sum) {
+        near.push_back({list.id[place], other});
+        is_taken[to_index(place)] = 1;
+      }
       return false;  // go on with the search
     });
   }

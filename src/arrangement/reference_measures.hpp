@@ -22,9 +22,8 @@ struct NumberedBall {
   Sphere ball;
 };
 
-// The wanted balls and all that overlap or touch one of them, in the order of the wanted ones and
-// of the list; a ball may come repeatedly. `list` is a cell list of the set, in which the reach of
-// a ball is its radius.
+// The wanted balls and all that overlap or touch one of them, each once. `list` is a cell list of
+// the set, in which the reach of a ball is its radius.
 std::vector<NumberedBall> balls_near(const CellListView& list, const SphereSet& spheres,
                                      std::span<const SphereId> wanted);
 

@@ -141,7 +141,9 @@ struct ReadingSpace {
 // Reads the row of one ball and returns its exposed area, or nothing if there is a doubt.
 std::optional<double> read_ball(const CellListView& list, ListPlace place, ReadingSpace& work,
                                 BoundaryRows& out) {
-  if (!work.caps.find(list, place)) return 0.0;  // buried: without a doubt, as the head says
+  if (!work.caps.find(list, place, arcs::kMostNear))
+    return 0.0;  // buried: without a doubt, as the head says
+  if (work.caps.is_crowded()) return std::nullopt;
   const arcs::BallMeasures m = work.ball.measure(work.caps.caps());
   if (m.doubts != 0 || work.caps.is_nearly_tangent()) return std::nullopt;
   const auto number_of = [&](std::uint32_t plane) {

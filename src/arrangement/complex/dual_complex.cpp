@@ -31,6 +31,7 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
+#include "core/steps.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -49,6 +50,14 @@ struct EdgeEntry {
   friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
 };
 
+// A one-to-one map of numbers to numbers without order (C. Wellons, "Prospecting for hash
+// functions", 2018).
+std::uint32_t shuffled(std::uint32_t x) {
+  x = (x ^ (x >> 16)) * 0x7feb352du;
+  x = (x ^ (x >> 15)) * 0x846ca68bu;
+  return x ^ (x >> 16);
+}
+
 class Builder {
  public:
   explicit Builder(const PowerTriangulation& triangulation) : t_(triangulation) {
@@ -64,6 +73,7 @@ class Builder {
   // does not depend on other cells of the same step, so all cores find it; triangles and edges are
   // then numbered in the order of their vertices.
   DualComplex build(Monitor* monitor) && {
+    monitor_ = monitor;
     for_each_cell([&](std::uint32_t c) { classify_cell(c); });
     out_.tetrahedra = collect_from_cells<std::uint32_t>(
         monitor, [&](std::uint32_t c, std::vector<std::uint32_t>& tetrahedra) {
@@ -338,12 +348,12 @@ class Builder {
     }
   }
 
-  // Lists edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If rows_
+  // Lists edge ab if it is free. Tests it once, from one of the cells around it. If rows_
   // has the edge, it is an edge of a triangle of the complex in another cell around it, and is
   // listed already.
   void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b,
                      std::vector<SingularEdge>& found) {
-    if (is_in_triangle(a, b) || !is_lowest_around(c, a, b)) return;
+    if (is_in_triangle(a, b) || !is_chosen_around(c, a, b)) return;
     const Sign size = size_sign(ball(a), ball(b));
     if (size == Sign::positive || is_attached(c, a, b)) return;
     found.push_back({a, b, size == Sign::negative ? Contact::strict : Contact::touching});
@@ -359,7 +369,9 @@ class Builder {
   bool around_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b, Visitor visit) const {
     // `from` is the one of x and y that the cell shares with the cell visited before.
     std::uint32_t current = c, from = kNoIndex;
+    Steps steps(monitor_);
     do {
+      steps.add(1);
       const auto& cell = t_.cells[current];
       std::array<std::size_t, 2> link{};  // positions of x and y in the cell
       std::size_t n = 0;
@@ -375,9 +387,14 @@ class Builder {
     return true;
   }
 
-  bool is_lowest_around(std::uint32_t c, std::uint32_t a, std::uint32_t b) const {
-    return around_edge(c, a, b,
-                       [&](std::uint32_t d, std::uint32_t, std::uint32_t) { return d >= c; });
+  // Whether a cell has the lowest of the shuffled numbers of all cells around edge ab. Then the
+  // walks around an edge with n cells, one from each of them, come to n log n steps in all, since
+  // most meet a lower number soon. With the numbers themselves, which often rise around an edge,
+  // they would come to n².
+  bool is_chosen_around(std::uint32_t c, std::uint32_t a, std::uint32_t b) const {
+    const std::uint32_t own = shuffled(c);
+    return around_edge(
+        c, a, b, [&](std::uint32_t d, std::uint32_t, std::uint32_t) { return shuffled(d) >= own; });
   }
 
   // Whether edge ab of cell c is attached. Only the vertices x, y of cells around the edge can make
@@ -443,7 +460,7 @@ class Builder {
   void find_strict_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
     if (!t_.is_ball(a) || !t_.is_ball(b) || (strict_[a] && strict_[b])) return;
     if (!is_in_triangle(a, b) || size_sign(ball(a), ball(b)) != Sign::negative) return;
-    if (!is_attached(c, a, b)) strict_[a] = strict_[b] = 1;
+    if (is_chosen_around(c, a, b) && !is_attached(c, a, b)) strict_[a] = strict_[b] = 1;
   }
 
   // Whether a ball of the cell has less power than v at the centre of v, so that v is attached.
@@ -478,6 +495,7 @@ class Builder {
   }
 
   const PowerTriangulation& t_;
+  Monitor* monitor_ = nullptr;
   DualComplex out_;
   SortedRows<EdgeEntry> rows_;          // per ball: its edges to upper balls, in triangles
   std::vector<std::uint8_t> strict_;    // per ball: still in the complex of balls a little smaller

@@ -92,6 +92,8 @@ class FlatTriangulation {
   // triangulation is then not valid.
   bool insert(std::uint32_t ball);
 
+  // How many cells were looked at or made so far.
+  std::uint64_t steps() const { return steps_; }
   const Buffer<FlatCell>& cells() const { return cells_; }
 
  private:
@@ -115,6 +117,7 @@ class FlatTriangulation {
   void make_forms(std::uint32_t origin);
   void free_hole();
 
+  std::uint64_t steps_ = 0;
   const std::vector<Sphere>& balls_;
   Buffer<FlatCell> cells_;
   Buffer<ConflictForm> forms_;  // by cell
@@ -267,6 +270,7 @@ VDWMESH_INLINE bool FlatTriangulation::find_hole(std::uint32_t start, const Sphe
   }
   hole_size_ = size;
   facet_count_ = count;
+  steps_ += size + count;
   return true;
 }
 
@@ -416,12 +420,18 @@ VDWMESH_INLINE bool FlatTriangulation::insert(std::uint32_t index) {
   return true;
 }
 
-VDWMESH_MULTIVERSION bool insert_balls(FlatTriangulation& triangulation, std::uint32_t first,
-                                       std::uint32_t end) {
-  for (std::uint32_t ball = first; ball < end; ++ball) {
-    if (!triangulation.insert(ball)) return false;
+// Inserts balls from `first` on until there are no more or about so many steps were taken. Returns
+// the next ball, or `first` at a tie.
+VDWMESH_MULTIVERSION std::uint32_t insert_balls(FlatTriangulation& triangulation,
+                                                std::uint32_t first, std::uint32_t end,
+                                                std::uint64_t steps) {
+  const std::uint64_t last = triangulation.steps() + steps;
+  std::uint32_t ball = first;
+  while (ball < end && triangulation.steps() < last) {
+    if (!triangulation.insert(ball)) return first;
+    ++ball;
   }
-  return true;
+  return ball;
 }
 
 // The cells that the caller takes, with the caller's numbers of balls.
@@ -460,7 +470,7 @@ std::optional<RegularCells> incremental_cells(const std::vector<Sphere>& balls,
                                               std::span<const std::uint32_t> indices,
                                               const TakesCell& takes,
                                               std::vector<std::uint8_t>& has_vertex,
-                                              Monitor* monitor) {
+                                              std::uint64_t memory_limit, Monitor* monitor) {
   // Marks count up by two for each ball.
   if (indices.size() >= std::numeric_limits<std::uint32_t>::max() / 2 - 8) return std::nullopt;
   // In the order of insertion, so that what is near in the triangulation is near in memory.
@@ -477,14 +487,14 @@ std::optional<RegularCells> incremental_cells(const std::vector<Sphere>& balls,
     numbers.push_back(indices[place]);
   }
   FlatTriangulation triangulation(local);
-  // The monitor is asked for cancellation once in so many balls.
-  constexpr std::uint32_t kBallsPerCancellationCheck = 4096;
+  constexpr std::uint64_t kStepsPerQuestion = 16384;
   const auto end = static_cast<std::uint32_t>(local.size());
-  for (std::uint32_t first = 4; first < end; first += kBallsPerCancellationCheck) {
+  for (std::uint32_t first = 4; first < end;) {
     advance(monitor, 0);
-    const std::uint32_t last =
-        end - first < kBallsPerCancellationCheck ? end : first + kBallsPerCancellationCheck;
-    if (!insert_balls(triangulation, first, last)) return std::nullopt;
+    const std::uint32_t next = insert_balls(triangulation, first, end, kStepsPerQuestion);
+    if (next == first) return std::nullopt;
+    first = next;
+    check_cells(triangulation.cells().size(), indices.size(), memory_limit);
   }
   return taken_cells(triangulation.cells(), numbers, takes, has_vertex);
 }

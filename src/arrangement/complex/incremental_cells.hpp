@@ -15,12 +15,12 @@ namespace vdwmesh {
 // What regular_cells() returns, in two thirds of its instructions, but for the order of the cells.
 // Returns nothing, and leaves has_vertex alone, if it meets a tie: five balls that have one
 // orthogonal sphere. Who calls it then asks regular_cells(), which decides ties. The preconditions
-// are those of regular_cells(); besides, no radius is above 1. Throws Cancelled.
+// are those of regular_cells(); besides, no radius is above 1. Throws as it does.
 std::optional<RegularCells> incremental_cells(const std::vector<Sphere>& balls,
                                               const std::array<Vec3d, 4>& auxiliary,
                                               std::span<const std::uint32_t> indices,
                                               const TakesCell& takes,
                                               std::vector<std::uint8_t>& has_vertex,
-                                              Monitor* monitor);
+                                              std::uint64_t memory_limit, Monitor* monitor);
 
 }  // namespace vdwmesh

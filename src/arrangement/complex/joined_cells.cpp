@@ -43,10 +43,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // The cells, whichever way finds them.
 RegularCells cells_of(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
                       std::span<const std::uint32_t> indices, const TakesCell& takes,
-                      std::vector<std::uint8_t>& has_vertex, Monitor* monitor) {
-  auto cells = incremental_cells(balls, auxiliary, indices, takes, has_vertex, monitor);
+                      std::vector<std::uint8_t>& has_vertex, std::uint64_t memory_limit,
+                      Monitor* monitor) {
+  auto cells =
+      incremental_cells(balls, auxiliary, indices, takes, has_vertex, memory_limit, monitor);
   if (cells) return std::move(*cells);
-  return regular_cells(balls, auxiliary, indices, takes, has_vertex, monitor);
+  return regular_cells(balls, auxiliary, indices, takes, has_vertex, memory_limit, monitor);
 }
 
 struct Block {
@@ -155,22 +157,36 @@ bool is_within(const Vec3d& center, const Block& block, double margin) {
   return true;
 }
 
-// The settled cells whose lowest vertex is a ball of the block.
-RegularCells triangulate_block(const std::vector<Sphere>& balls,
-                               const std::array<Vec3d, 4>& auxiliary, const Block& block,
-                               std::vector<std::uint8_t>& has_vertex, Monitor* monitor) {
-  const double margin = margin_of(block, balls);
+// The balls in the block and those within the margin around it.
+std::vector<std::uint32_t> list_near(const Block& block, double margin,
+                                     const std::vector<Sphere>& balls) {
   std::vector<std::uint32_t> near;
   for (std::uint32_t i = 0; i < balls.size(); ++i) {
     if (is_within(balls[i].center, block, margin)) near.push_back(i);
   }
+  return near;
+}
+
+// Whether a block with its margin has nearly all balls, as it has if one ball is larger than all
+// others together. Then blocks only repeat each other's work.
+bool is_nearly_all(const Block& block, const std::vector<Sphere>& balls) {
+  return 4 * list_near(block, margin_of(block, balls), balls).size() > 3 * balls.size();
+}
+
+// The settled cells whose lowest vertex is a ball of the block.
+RegularCells triangulate_block(const std::vector<Sphere>& balls,
+                               const std::array<Vec3d, 4>& auxiliary, const Block& block,
+                               std::vector<std::uint8_t>& has_vertex, std::uint64_t memory_limit,
+                               Monitor* monitor) {
+  const double margin = margin_of(block, balls);
+  const std::vector<std::uint32_t> near = list_near(block, margin, balls);
   std::vector<std::uint8_t> is_own(balls.size(), 0), appears(balls.size(), 0);
   for (const std::uint32_t i : block.balls) is_own[i] = 1;
   const TakesCell takes = [&](const CellVertices& v) {
     return v[2] < balls.size() && v[3] < balls.size() && is_own[v[0]] &&
            is_settled(balls[v[0]], balls[v[1]], balls[v[2]], balls[v[3]], block, margin);
   };
-  RegularCells cells = cells_of(balls, auxiliary, near, takes, appears, monitor);
+  RegularCells cells = cells_of(balls, auxiliary, near, takes, appears, memory_limit, monitor);
   for (const std::uint32_t i : block.balls) has_vertex[i] = appears[i];
   return cells;
 }
@@ -191,13 +207,19 @@ Facet facet_of(const CellVertices& cell, std::uint32_t number, std::uint32_t slo
 
 class Joiner {
  public:
-  Joiner(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary, Monitor* monitor)
-      : balls_(balls), auxiliary_(auxiliary), monitor_(monitor), has_vertex_(balls.size(), 0) {}
+  Joiner(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
+         std::uint64_t memory_limit, Monitor* monitor)
+      : balls_(balls),
+        auxiliary_(auxiliary),
+        memory_limit_(memory_limit),
+        monitor_(monitor),
+        has_vertex_(balls.size(), 0) {}
 
   RegularCells run(std::vector<Block> blocks) && {
     std::vector<RegularCells> parts(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-      parts[i] = triangulate_block(balls_, auxiliary_, blocks[i], has_vertex_, monitor_);
+      parts[i] =
+          triangulate_block(balls_, auxiliary_, blocks[i], has_vertex_, memory_limit_, monitor_);
     });
     join(parts);
     pair_facets();
@@ -213,6 +235,7 @@ class Joiner {
     if (first.back() >= kNoIndex) {
       throw LimitExceeded("the triangulation has more than 2^32 cells");
     }
+    check_cells(first.back(), balls_.size(), memory_limit_);
     constexpr std::size_t kRest = 8;  // room for one cell in so many that is not settled
     out_.cells.reserve(first.back() + first.back() / kRest);
     out_.neighbors.reserve(first.back() + first.back() / kRest);
@@ -270,11 +293,10 @@ class Joiner {
   // The open facet with the same vertices, or null.
   const Facet* open_facet(const Facet& f) const {
     if (f.vertices[0] >= balls_.size()) return nullptr;
-    const std::uint32_t end = first_open_[f.vertices[0] + 1];
-    for (std::uint32_t i = first_open_[f.vertices[0]]; i < end; ++i) {
-      if (open_[i].vertices == f.vertices) return &open_[i];
-    }
-    return nullptr;
+    const auto begin = open_.begin() + first_open_[f.vertices[0]],
+               end = open_.begin() + first_open_[f.vertices[0] + 1];
+    const auto found = std::ranges::lower_bound(begin, end, f.vertices, {}, &Facet::vertices);
+    return found != end && found->vertices == f.vertices ? &*found : nullptr;
   }
 
   std::vector<std::uint32_t> open_balls() const {
@@ -299,7 +321,7 @@ class Joiner {
     std::vector<std::uint8_t> unused(balls_.size());
     const RegularCells rest = cells_of(
         balls_, auxiliary_, open_balls(), [](const CellVertices&) { return true; }, unused,
-        monitor_);
+        memory_limit_, monitor_);
     const auto first = static_cast<std::uint32_t>(out_.cells.size());
     std::vector<std::uint32_t> number(rest.cells.size(), kNoIndex), reached;
     const auto reach = [&](std::uint32_t c) {
@@ -314,6 +336,7 @@ class Joiner {
         if (rest.neighbors[c][k] == kNoIndex || (open != nullptr && open->odd != f.odd)) reach(c);
       }
     }
+    check_cells(out_.cells.size() + rest.cells.size(), balls_.size(), memory_limit_);
     std::size_t hull = 0, met = 0;
     for (std::size_t i = 0; i < reached.size(); ++i) {
       const std::uint32_t c = reached[i];
@@ -339,6 +362,7 @@ class Joiner {
 
   const std::vector<Sphere>& balls_;
   const std::array<Vec3d, 4>& auxiliary_;
+  const std::uint64_t memory_limit_;
   Monitor* const monitor_;
   std::vector<std::uint8_t> has_vertex_;  // by ball: not hidden in the triangulation of its block
   RegularCells out_;
@@ -349,19 +373,21 @@ class Joiner {
 }  // namespace
 
 RegularCells joined_cells(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
-                          std::size_t blocks, Monitor* monitor) {
+                          std::size_t blocks, std::uint64_t memory_limit, Monitor* monitor) {
   std::vector<std::uint32_t> all(balls.size());
   std::iota(all.begin(), all.end(), std::uint32_t{0});
-  blocks = std::min(blocks, balls.size());
-  if (blocks <= 1) {
-    std::vector<std::uint8_t> unused(balls.size());
-    return cells_of(
-        balls, auxiliary, all, [](const CellVertices&) { return true; }, unused, monitor);
-  }
   const Vec3d everywhere{kInfinity, kInfinity, kInfinity};
   std::vector<Block> divided;
-  divide({-1.0 * everywhere, everywhere, std::move(all)}, balls, blocks, divided);
-  return Joiner(balls, auxiliary, monitor).run(std::move(divided));
+  divide({-1.0 * everywhere, everywhere, all}, balls,
+         std::max<std::size_t>(1, std::min(blocks, balls.size())), divided);
+  const auto repeats = [&](const Block& block) { return is_nearly_all(block, balls); };
+  if (divided.size() == 1 || std::ranges::any_of(divided, repeats)) {
+    std::vector<std::uint8_t> unused(balls.size());
+    return cells_of(
+        balls, auxiliary, all, [](const CellVertices&) { return true; }, unused, memory_limit,
+        monitor);
+  }
+  return Joiner(balls, auxiliary, memory_limit, monitor).run(std::move(divided));
 }
 
 }  // namespace vdwmesh

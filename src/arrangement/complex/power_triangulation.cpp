@@ -70,16 +70,17 @@ std::size_t blocks_for_cores(std::size_t balls) {
 }  // namespace
 
 PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor,
-                               std::optional<std::size_t> blocks) {
-  return triangulate(placed_balls(spheres), monitor, blocks);
+                               std::optional<std::size_t> blocks, std::uint64_t memory_limit) {
+  return triangulate(placed_balls(spheres), monitor, blocks, memory_limit);
 }
 
 PowerTriangulation triangulate(PlacedBalls&& balls, Monitor* monitor,
-                               std::optional<std::size_t> blocks) {
+                               std::optional<std::size_t> blocks, std::uint64_t memory_limit) {
   PowerTriangulation out{std::move(balls), {}, {}};
   const std::array<Vec3d, 4> auxiliary = auxiliary_points(out.balls);
-  const RegularCells cells = joined_cells(
-      out.balls, auxiliary, blocks.value_or(blocks_for_cores(out.balls.size())), monitor);
+  const RegularCells cells =
+      joined_cells(out.balls, auxiliary, blocks.value_or(blocks_for_cores(out.balls.size())),
+                   memory_limit, monitor);
   store_sorted(cells, out.balls.size() + auxiliary.size(), out);
   return out;
 }

@@ -13,6 +13,7 @@
 #include "arrangement/complex/placed_balls.hpp"
 #include "core/buffer.hpp"
 #include "core/monitor.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 
@@ -40,13 +41,15 @@ inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
 // `blocks`: into how many blocks the space is divided, which are triangulated side by side; by
 // default, as many as there are cores, or fewer for few balls. The result is the same.
 // Throws InvalidInput for an empty set or if the extent of the spheres overflows a double,
-// LimitExceeded if there are 2^32 - 1 cells or more, and Cancelled (the monitor is asked once in
-// several thousand balls).
+// LimitExceeded if there are 2^32 - 1 cells or more, or if they, with their dual complex, need more
+// memory than the limit (bytes), and Cancelled.
 PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = nullptr,
-                               std::optional<std::size_t> blocks = std::nullopt);
+                               std::optional<std::size_t> blocks = std::nullopt,
+                               std::uint64_t memory_limit = kNoMemoryLimit);
 // The same of balls that are in their places already.
 PowerTriangulation triangulate(PlacedBalls&& balls, Monitor* monitor = nullptr,
-                               std::optional<std::size_t> blocks = std::nullopt);
+                               std::optional<std::size_t> blocks = std::nullopt,
+                               std::uint64_t memory_limit = kNoMemoryLimit);
 // Triangulates a part of a set, given the frame of the whole set. Its balls have the order that
 // they have in the whole, and the same scale; the ids are indices in `spheres`.
 PowerTriangulation triangulate_part(const SphereSet& spheres, const BallFrame& frame,

@@ -36,6 +36,7 @@ T& with_known_address(T& variable) {
 #pragma pop_macro("CGAL_STATIC_THREAD_LOCAL_VARIABLE_0")
 #include <CGAL/Triangulation_ds_cell_base_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cassert>
@@ -127,7 +128,7 @@ using Point = PowerTraits::Point_3;
 // an empty handle. A ball that a later one hides loses its vertex.
 void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls,
                 const std::array<Vec3d, 4>& auxiliary, std::span<const std::uint32_t> indices,
-                Monitor* monitor) {
+                std::uint64_t memory_limit, Monitor* monitor) {
   Triangulation::Cell_handle hint;
   const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
     Triangulation::Locate_type type;
@@ -143,12 +144,15 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls,
   };
   for (std::size_t k = 0; k < auxiliary.size(); ++k) insert(auxiliary[k], 0, balls.size() + k);
   // The monitor is asked for cancellation once in so many balls.
-  constexpr std::size_t kBallsPerCancellationCheck = 4096;
+  constexpr std::size_t kBallsPerCancellationCheck = 256;
   std::size_t inserted = 0;
   for (const std::uint32_t place : insertion_order(indices.size())) {
     const std::uint32_t i = indices[place];
     // Throws Cancelled on request; 0 steps are reported as done.
-    if (++inserted % kBallsPerCancellationCheck == 0) advance(monitor, 0);
+    if (++inserted % kBallsPerCancellationCheck == 0) {
+      advance(monitor, 0);
+      check_cells(triangulation.number_of_cells(), indices.size(), memory_limit);
+    }
     insert(balls[i].center, balls[i].radius, i);
   }
 }
@@ -161,16 +165,30 @@ CellVertices vertices_of(const Triangulation::Cell& cell) {
 
 }  // namespace
 
+// Balls of molecules have some seven cells each, which the estimates of memory know about.
+void check_cells(std::uint64_t cells, std::size_t balls, std::uint64_t memory_limit) {
+  constexpr std::uint64_t kUsualCells = 8;     // of a ball
+  constexpr std::uint64_t kBytesOfCell = 360;  // measured, while arrays grow
+  if (cells <= kUsualCells * balls || cells <= memory_limit / kBytesOfCell) return;
+  throw LimitExceeded(fmt::format(
+      "the triangulation of {} balls has {} cells and more, which need more memory than the limit "
+      "of {} bytes: balls on two skew lines have as many cells as there are pairs of them. Measure "
+      "fewer balls at once, or raise the memory limit",
+      balls, cells, memory_limit));
+}
+
 RegularCells regular_cells(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
                            std::span<const std::uint32_t> indices, const TakesCell& takes,
-                           std::vector<std::uint8_t>& has_vertex, Monitor* monitor) {
+                           std::vector<std::uint8_t>& has_vertex, std::uint64_t memory_limit,
+                           Monitor* monitor) {
   Triangulation triangulation;
-  insert_all(triangulation, balls, auxiliary, indices, monitor);
+  insert_all(triangulation, balls, auxiliary, indices, memory_limit, monitor);
   for (const auto vertex : triangulation.finite_vertex_handles()) {
     if (vertex->info() < balls.size()) has_vertex[vertex->info()] = 1;
   }
   const std::size_t count = triangulation.number_of_finite_cells();
   if (count >= kNoIndex) throw LimitExceeded("the triangulation has more than 2^32 cells");
+  check_cells(count, indices.size(), memory_limit);
   RegularCells out;
   out.cells.reserve(count);
   for (const auto cell : triangulation.all_cell_handles()) cell->info() = kNoIndex;

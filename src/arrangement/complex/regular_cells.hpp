@@ -61,9 +61,16 @@ using TakesCell = std::function<bool(const CellVertices&)>;
 // which have the indices from balls.size() on. Writes 1 to has_vertex[i] for each ball i that is
 // not hidden by others. The cells' order depends on the order of the indices, the cells do not:
 // CGAL decides ties as if every centre had been moved by a little, the same way in every subset.
-// Throws LimitExceeded if there are 2^32 - 1 cells or more, and Cancelled.
+// Throws LimitExceeded if there are 2^32 - 1 cells or more, or if they need more memory than the
+// limit, and Cancelled.
 RegularCells regular_cells(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
                            std::span<const std::uint32_t> indices, const TakesCell& takes,
-                           std::vector<std::uint8_t>& has_vertex, Monitor* monitor);
+                           std::vector<std::uint8_t>& has_vertex, std::uint64_t memory_limit,
+                           Monitor* monitor);
+
+// Refuses so many cells of a triangulation of so many balls if these are more than usual and need
+// more memory than the limit (bytes), with the dual complex and all else that there is for each
+// cell.
+void check_cells(std::uint64_t cells, std::size_t balls, std::uint64_t memory_limit);
 
 }  // namespace vdwmesh

@@ -94,11 +94,12 @@ struct ExactRows {
 // Rows of the balls `wanted`, ascending, by a triangulation of the balls `all`, which has what
 // touches them.
 ExactRows exact_rows(const std::vector<Sphere>& balls, const std::vector<std::uint32_t>& wanted,
-                     const std::vector<std::uint32_t>& all, Monitor* monitor) {
+                     const std::vector<std::uint32_t>& all, Monitor* monitor,
+                     std::uint64_t memory_limit) {
   std::vector<Sphere> spheres;
   for (const std::uint32_t b : all) spheres.push_back(balls[b]);
   const PowerTriangulation t =
-      triangulate(SphereSet(std::move(spheres)), monitor, blocks_of(all.size()));
+      triangulate(SphereSet(std::move(spheres)), monitor, blocks_of(all.size()), memory_limit);
   const ExposedBoundary local = exposed_boundary(t, dual_complex(t, monitor));
   const auto number = [&](std::uint32_t i) { return all[t.ids[i]]; };
   const auto corner = [&](std::uint32_t c) {
@@ -263,52 +264,59 @@ bool is_ordinary(const Sphere& s) {
 }
 
 // Decides all by the triangulation of all balls.
-void arrange_by_triangulation(Arrangement& a, Monitor* monitor) {
-  a.whole = whole_complex(a.balls, monitor);
+void arrange_by_triangulation(Arrangement& a, Monitor* monitor, std::uint64_t memory_limit) {
+  a.whole = whole_complex(a.balls, monitor, memory_limit);
   a.boundary = exposed_boundary(a.whole->triangulation, a.whole->complex);
 }
 
 }  // namespace
 
-WholeComplex whole_complex(const PlacedBalls& balls, Monitor* monitor) {
-  WholeComplex out{triangulate(PlacedBalls(balls), monitor, blocks_of(balls.balls.size())), {}};
+WholeComplex whole_complex(const PlacedBalls& balls, Monitor* monitor, std::uint64_t memory_limit) {
+  WholeComplex out{
+      triangulate(PlacedBalls(balls), monitor, blocks_of(balls.balls.size()), memory_limit), {}};
   out.complex = dual_complex(out.triangulation, monitor);
   return out;
 }
 
-Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
-  return arrange(placed_balls(spheres), monitor);
+Arrangement arrange(const SphereSet& spheres, Monitor* monitor, std::uint64_t memory_limit) {
+  return arrange(placed_balls(spheres), monitor, memory_limit);
 }
 
-Arrangement arrange(PlacedBalls placed, Monitor* monitor) {
+Arrangement arrange(PlacedBalls placed, Monitor* monitor, std::uint64_t memory_limit) {
   Arrangement a;
   a.balls = std::move(placed);
   const std::vector<Sphere>& balls = a.balls.balls;
   a.is_ordinary = std::ranges::all_of(balls, is_ordinary);
   if (!a.is_ordinary) {
     a.is_doubtful.assign(balls.size(), 1);
-    arrange_by_triangulation(a, monitor);
+    arrange_by_triangulation(a, monitor, memory_limit);
     return a;
   }
   const CellList list = make_ball_list(SphereSet::view(balls));
   CellBoundary cells = cell_boundary(list.view(), monitor);
   a.is_doubtful = cells.is_doubtful;
   ExactRows exact;
-  if (std::ranges::find(cells.is_doubtful, 1) != cells.is_doubtful.end()) {
+  const auto doubtful =
+      static_cast<std::size_t>(std::ranges::count(cells.is_doubtful, std::uint8_t{1}));
+  if (2 * doubtful > balls.size()) {
+    arrange_by_triangulation(a, monitor, memory_limit);
+    return a;
+  }
+  if (doubtful > 0) {
     const std::vector<std::uint8_t> wanted = with_touching(list.view(), cells.is_doubtful);
     const std::vector<std::uint32_t> rows = members(wanted),
                                      all = members(with_touching(list.view(), wanted));
     if (2 * all.size() > balls.size()) {
-      arrange_by_triangulation(a, monitor);
+      arrange_by_triangulation(a, monitor, memory_limit);
       return a;
     }
-    exact = exact_rows(balls, rows, all, monitor);
+    exact = exact_rows(balls, rows, all, monitor, memory_limit);
     for (std::size_t i = 0; i < rows.size(); ++i) cells.areas[rows[i]] = exact.areas[i];
   }
   if (RowJoiner(cells, exact).run(a.boundary)) {
     a.boundary.areas = std::move(cells.areas);
   } else {
-    arrange_by_triangulation(a, monitor);
+    arrange_by_triangulation(a, monitor, memory_limit);
   }
   return a;
 }

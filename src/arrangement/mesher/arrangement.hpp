@@ -31,10 +31,13 @@ struct Arrangement {
 // in doubt, a triangulation of the balls around them decides, which is exact. So the boundary is
 // that of the dual complex, exposed_boundary(), but for the last bits of the areas. Throws
 // InvalidInput and Cancelled, and LimitExceeded as triangulate() does.
-Arrangement arrange(const SphereSet& spheres, Monitor* monitor = nullptr);
-Arrangement arrange(PlacedBalls balls, Monitor* monitor = nullptr);
+Arrangement arrange(const SphereSet& spheres, Monitor* monitor = nullptr,
+                    std::uint64_t memory_limit = kNoMemoryLimit);
+Arrangement arrange(PlacedBalls balls, Monitor* monitor = nullptr,
+                    std::uint64_t memory_limit = kNoMemoryLimit);
 
 // Triangulates all balls of an arrangement.
-WholeComplex whole_complex(const PlacedBalls& balls, Monitor* monitor = nullptr);
+WholeComplex whole_complex(const PlacedBalls& balls, Monitor* monitor = nullptr,
+                           std::uint64_t memory_limit = kNoMemoryLimit);
 
 }  // namespace vdwmesh

@@ -23,6 +23,7 @@
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
+#include "core/steps.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -34,12 +35,48 @@ namespace {
 // chains, not a proven bound. A longer arc stays: it is a loop from the merged corner to itself.
 constexpr double kJoinAllowance = 4;
 
+using Pair = std::array<std::uint32_t, 2>;
+
+// All pairs i < j of `count` points, ascending, that are no farther apart than `reach`. They all
+// lie on one sphere of the radius `radius`, but for rounding, and `reach` is a tiny part of it.
+// Close points have close projections to any line. So the points are sorted along a line, which
+// has a direction that no symmetry of molecules and lattices has, and each one is compared with the
+// few that follow it closely.
+template <class PointOf>
+std::vector<Pair> close_pairs(std::size_t count, const PointOf& point, double reach, double radius,
+                              Steps& steps) {
+  if (count < 2) return {};
+  struct Place {
+    double along;
+    std::uint32_t index;
+  };
+  const Vec3d line{0.3946, 0.5622, 0.7266};
+  std::vector<Place> places(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    places[i] = {dot(point(i) - point(0), line), i};
+  }
+  std::ranges::sort(places, {}, &Place::along);
+  constexpr double kRounding = 1e-14;  // of the radius: of the projections
+  const double window = reach + kRounding * radius;
+  std::vector<Pair> found;
+  for (auto a = places.begin(); a != places.end(); ++a) {
+    steps.add(1);
+    for (auto b = a + 1; b != places.end() && b->along - a->along <= window; ++b) {
+      steps.add(1);
+      const auto [i, j] = std::minmax(a->index, b->index);
+      if (squared_norm(point(j) - point(i)) <= reach * reach) found.push_back({i, j});
+    }
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
 // Builds the result step by step; run() lists the steps.
 class BoundaryBuilder {
  public:
   BoundaryBuilder(const PlacedBalls& balls, const ExposedBoundary& exposed,
-                  const FeatureSizes& sizes)
-      : placed_(balls), exposed_(exposed) {
+                  const FeatureSizes& sizes, Monitor* monitor)
+      : placed_(balls), exposed_(exposed), monitor_(monitor) {
     out_.sizes = sizes;
   }
 
@@ -198,23 +235,23 @@ class BoundaryBuilder {
 
   // Finds pairs of corners of one ball that coincide: there, boundary curves of one patch meet in a
   // point. The distance counts in fractions of the ball's radius, as on the unit sphere on which
-  // the patch is meshed. A ball has few corners as a rule, so all its pairs are compared.
+  // the patch is meshed.
   void find_coincident_corners() {
-    using Pair = std::array<std::uint32_t, 2>;
     SortedRows<std::uint32_t> corners;  // by ball: those on its sphere
     corners.fill(placed_.balls.size(), out_.corners.size(), [&](std::size_t c, const auto& add) {
       for (const std::uint32_t b : out_.corners[c].balls) add(b, static_cast<std::uint32_t>(c));
     });
-    const auto coincident = collect<Pair>(corners.size(), [&](std::size_t b, auto& found) {
+    const auto find = [&](std::size_t b, std::vector<Pair>& found) {
       const auto of_ball = corners[b];
-      const double reach = out_.sizes.arc * placed_.balls[b].radius;
-      for (std::size_t i = 0; i < of_ball.size(); ++i) {
-        for (std::size_t j = i + 1; j < of_ball.size(); ++j) {
-          const Vec3d gap = out_.corners[of_ball[j]].position - out_.corners[of_ball[i]].position;
-          if (squared_norm(gap) <= reach * reach) found.push_back({of_ball[i], of_ball[j]});
-        }
+      const auto position = [&](std::size_t i) { return out_.corners[of_ball[i]].position; };
+      const double radius = placed_.balls[b].radius;
+      Steps steps(monitor_);
+      for (const auto& [i, j] :
+           close_pairs(of_ball.size(), position, out_.sizes.arc * radius, radius, steps)) {
+        found.push_back({of_ball[i], of_ball[j]});
       }
-    });
+    };
+    const auto coincident = collect<Pair>(corners.size(), find, monitor_);
     joined_.insert(joined_.end(), coincident.begin(), coincident.end());
   }
 
@@ -234,7 +271,7 @@ class BoundaryBuilder {
   // spheres may pass through a corner (has_joined_corners).
   void find_touching_arcs() {
     const std::size_t corners = out_.corners.size();  // before
-    const auto joined = join_touching_arcs(placed_, out_);
+    const auto joined = join_touching_arcs(placed_, out_, monitor_);
     joined_.insert(joined_.end(), joined.begin(), joined.end());
     out_.has_joined_corners = corners < out_.corners.size() || !joined.empty();
   }
@@ -325,17 +362,36 @@ class BoundaryBuilder {
       const auto [low, high] = std::minmax(arc.ends[0], arc.ends[1]);
       for (const std::uint32_t b : arc.balls) add(b, {low, high, static_cast<std::uint32_t>(a)});
     });
-    return collect<Slit>(places.size(), [&](std::size_t b, std::vector<Slit>& found) {
-      const auto ball = static_cast<std::uint32_t>(b);
-      const auto row = places[b];
-      for (auto i = row.begin(); i != row.end(); ++i) {
-        for (auto j = i + 1; j != row.end() && j->low == i->low && j->high == i->high; ++j) {
-          if (is_slit(ball, out_.arcs[i->arc], out_.arcs[j->arc])) {
-            found.push_back({ball, i->arc, j->arc});
-          }
-        }
+    const auto find = [&](std::size_t b, std::vector<Slit>& found) {
+      const auto row = std::as_const(places)[b];
+      Steps steps(monitor_);
+      for (auto i = row.begin(); i != row.end();) {
+        const auto end = std::find_if(
+            i, row.end(), [&](const auto& p) { return p.low != i->low || p.high != i->high; });
+        find_slits(static_cast<std::uint32_t>(b), std::span(i, end), steps, found);
+        i = end;
       }
-    });
+    };
+    return collect<Slit>(places.size(), find, monitor_);
+  }
+
+  // The same for arcs of one ball that have the same ends. Arcs beside a slit have close middles.
+  template <class Places>
+  void find_slits(std::uint32_t ball_index, const Places& arcs, Steps& steps,
+                  std::vector<Slit>& found) const {
+    if (arcs.size() < 2) return;
+    const auto middle = [&](std::size_t i) {
+      const BoundaryArc& arc = out_.arcs[arcs[i].arc];
+      return arc.is_circle() ? arc.center : arc.at(arc.sweep / 2);
+    };
+    constexpr double kRounding = 1e-6;  // of the reach: is_slit() decides
+    const double radius = ball(ball_index).radius,
+                 reach = (1 + kRounding) * out_.sizes.arc * radius;
+    for (const auto& [i, j] : close_pairs(arcs.size(), middle, reach, radius, steps)) {
+      if (is_slit(ball_index, out_.arcs[arcs[i].arc], out_.arcs[arcs[j].arc])) {
+        found.push_back({ball_index, arcs[i].arc, arcs[j].arc});
+      }
+    }
   }
 
   // The ball on the other side of an arc. Precondition: `ball` is one of its two balls.
@@ -363,6 +419,7 @@ class BoundaryBuilder {
 
   const PlacedBalls& placed_;
   const ExposedBoundary& exposed_;
+  Monitor* const monitor_;
   BoundaryArcs out_;
   // Pairs of corners that are one point, as indices into out_.corners. short_arc_ends_ has the ends
   // of arcs that were left out, joined_ the pairs found by touching or by position.
@@ -372,8 +429,8 @@ class BoundaryBuilder {
 }  // namespace
 
 BoundaryArcs boundary_arcs(const PlacedBalls& balls, const ExposedBoundary& exposed,
-                           const FeatureSizes& sizes) {
-  return BoundaryBuilder(balls, exposed, sizes).run();
+                           const FeatureSizes& sizes, Monitor* monitor) {
+  return BoundaryBuilder(balls, exposed, sizes, monitor).run();
 }
 
 }  // namespace vdwmesh

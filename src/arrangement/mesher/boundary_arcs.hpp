@@ -18,6 +18,7 @@
 #include "arrangement/complex/exposed_boundary.hpp"
 #include "arrangement/sine_cosine.hpp"
 #include "core/buffer.hpp"
+#include "core/monitor.hpp"
 #include "core/vec3.hpp"
 
 namespace vdwmesh {
@@ -84,7 +85,8 @@ struct BoundaryArcs {
 };
 
 // Places the boundary. Without reduced features, arcs and corners have the order of `exposed`.
+// Throws Cancelled.
 BoundaryArcs boundary_arcs(const PlacedBalls& balls, const ExposedBoundary& exposed,
-                           const FeatureSizes& sizes = {});
+                           const FeatureSizes& sizes = {}, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

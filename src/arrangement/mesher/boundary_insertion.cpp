@@ -37,6 +37,7 @@ class BoundaryInserter {
     if (!to_split_.empty()) return std::move(to_split_);
     const bool is_unchanged = goes_on && progress_.chains.empty();
     if (!(goes_on && insert_chains())) insert_all();
+    if (!doubled_.empty()) want_splits(flat().doubles_of(doubled_));
     if (to_split_.empty()) save(is_unchanged);
     return std::move(to_split_);
   }
@@ -130,7 +131,7 @@ class BoundaryInserter {
       const Outcome outcome =
           plane_.insert_piece(boundary_.pieces[p].from, boundary_.pieces[p].to, p);
       if (outcome == Outcome::blocked) to_split_.push_back(p);
-      if (outcome == Outcome::doubled) want_splits(flat().doubles_of(p));
+      if (outcome == Outcome::doubled) doubled_.push_back(p);
       if (outcome == Outcome::crossing) want_splits(flat().crossings_of(p));
       if (outcome == Outcome::crossing) return false;
     }
@@ -145,7 +146,7 @@ class BoundaryInserter {
   bool is_swapped_;  // plane_ works in the arrays of the progress
   PlaneTriangulation& plane_;
   std::vector<PlanePoint>& plane_points_;
-  std::vector<std::uint32_t> to_split_;
+  std::vector<std::uint32_t> to_split_, doubled_;
 };
 
 }  // namespace

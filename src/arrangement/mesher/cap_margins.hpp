@@ -1,5 +1,5 @@
-// Which points of a sphere keep clear of the covered caps beside a patch, so that they do not make
-// flat triangles with the pieces of its arcs. For host and device.
+// Which points of a sphere are in the covered caps beside a patch, and which keep clear of them, so
+// that they do not make flat triangles with the pieces of its arcs. For host and device.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,60 @@
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_memory.hpp"
 #include "arrangement/sine_cosine.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh {
+
+// Finds the caps that matter for a point of the unit sphere. With few caps these are all of them.
+// On the host many caps are kept in an octree: a cube has the list of those that come near to it,
+// or a single one that covers it. Then the time for a point does not grow with their number.
+template <class Memory>
+class CapTree {
+ public:
+  VDWMESH_HD explicit CapTree(std::span<const CoveredCap> caps) : caps_(caps) {}
+
+  // Whether test(i) holds for any cap i that covers u or, after build(), comes near to it.
+  template <class Test>
+  VDWMESH_HD bool holds_for_any(const Vec3d& u, const Test& test) const {
+    if constexpr (!Memory::kIsBounded) {
+      if (!cubes_.empty()) {
+        for (const std::uint32_t i : near(u)) {
+          if (test(i)) return true;
+        }
+        return false;
+      }
+    }
+    return vdwmesh::holds_for_any<Memory>(caps_.size(), test);
+  }
+  // How many caps are tested for u at most.
+  VDWMESH_HD std::size_t tests(const Vec3d& u) const {
+    if constexpr (!Memory::kIsBounded) {
+      if (!cubes_.empty()) return near(u).size();
+    }
+    return caps_.size();
+  }
+
+  // Many caps are sorted into the tree, for the host alone. A point u comes near to cap i if its
+  // product with the axis is above bounds[i], a cosine that is at most that of the cap.
+  void build(std::span<const double> bounds, Monitor* monitor);
+
+ private:
+  struct Cube {
+    Vec3d center;
+    double half_width;
+    std::uint32_t first, count;  // its part of lists_
+    std::uint32_t children;      // the first of eight; 0: none
+  };
+  std::span<const std::uint32_t> near(const Vec3d& u) const;
+
+  std::span<const CoveredCap> caps_;
+  typename Memory::template Array<Cube> cubes_;
+  typename Memory::template Array<std::uint32_t> lists_;
+};
+template <>
+void CapTree<GrowingMemory>::build(std::span<const double> bounds, Monitor* monitor);
+template <>
+std::span<const std::uint32_t> CapTree<GrowingMemory>::near(const Vec3d& u) const;
 
 template <class Memory>
 class CapMargins {
@@ -45,14 +97,15 @@ class CapMargins {
   }
 
   // Begins with the cap that the point before was too near to: mostly this one is, too.
-  VDWMESH_HD bool is_clear(const Vec3d& u) {
+  VDWMESH_HD bool is_clear(const Vec3d& u, const CapTree<Memory>& tree) {
     const auto is_near = [&](std::size_t cap) {
       const bool is = !(dot(u, caps_[cap].axis) <= bounds_[cap]);
       if (is) last_ = cap;
       return is;
     };
-    return !is_near(last_) && !holds_for_any<Memory>(bounds_.size(), is_near);
+    return !is_near(last_) && !tree.holds_for_any(u, is_near);
   }
+  std::span<const double> bounds() const { return bounds_; }
 
  private:
   std::span<const CoveredCap> caps_;

@@ -26,13 +26,17 @@ bool parts(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const 
 
 }  // namespace
 
-std::vector<std::uint32_t> FlatBoundary::doubles_of(std::uint32_t piece) const {
+std::vector<std::uint32_t> FlatBoundary::doubles_of(std::span<const std::uint32_t> pieces) const {
   const auto ends = [&](std::uint32_t p) {
-    return std::minmax(boundary_.pieces[p].from, boundary_.pieces[p].to);
+    return std::pair<std::uint32_t, std::uint32_t>(
+        std::minmax(boundary_.pieces[p].from, boundary_.pieces[p].to));
   };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> wanted;
+  for (const std::uint32_t p : pieces) wanted.push_back(ends(p));
+  std::ranges::sort(wanted);
   std::vector<std::uint32_t> found;
   for (std::uint32_t q = 0; q < boundary_.pieces.size(); ++q) {
-    if (ends(q) == ends(piece)) found.push_back(q);
+    if (std::ranges::binary_search(wanted, ends(q))) found.push_back(q);
   }
   return found;
 }

@@ -25,8 +25,8 @@ class FlatBoundary {
   FlatBoundary(const PatchBoundary& boundary, std::span<const PlanePoint> points)
       : boundary_(boundary), points_(points) {}
 
-  // All pieces that share both ends with a piece, and the piece itself.
-  std::vector<std::uint32_t> doubles_of(std::uint32_t piece) const;
+  // All pieces that share both ends with one of these, and these.
+  std::vector<std::uint32_t> doubles_of(std::span<const std::uint32_t> pieces) const;
   // The piece itself and all pieces that cross it.
   std::vector<std::uint32_t> crossings_of(std::uint32_t piece) const;
   // Every piece that crosses another one. Some are listed more than once. Throws Cancelled.

@@ -105,7 +105,8 @@ ArrangedPart arrange_part(const SphereSet& spheres, std::size_t number, std::siz
   if (ids.empty()) return out;
   std::vector<Sphere> near;
   for (const SphereId i : ids) near.push_back(spheres[i]);
-  out.arrangement = arrange(placed_balls(SphereSet(std::move(near)), frame), options.monitor);
+  out.arrangement = arrange(placed_balls(SphereSet(std::move(near)), frame), options.monitor,
+                            options.memory_limit);
   PlacedBalls& t = out.arrangement.balls;
   for (SphereId& id : t.ids) id = ids[id];
   for (const SphereId id : t.ids) out.part.owner.push_back(cut.owner_of(spheres[id]));
@@ -116,7 +117,7 @@ ArrangedPart arrange_part(const SphereSet& spheres, std::size_t number, std::siz
   const std::vector<std::uint8_t>& doubts = out.arrangement.is_doubtful;
   out.doubtful = static_cast<std::uint64_t>(
       std::count(doubts.begin() + share.balls.first, doubts.begin() + share.balls.second, 1));
-  out.boundary = boundary_arcs(t, out.arrangement.boundary);
+  out.boundary = boundary_arcs(t, out.arrangement.boundary, {}, options.monitor);
   leave_out_others(share.balls, out.boundary);
   share.corners = own_run(out.boundary.corners, share.balls.first);
   share.arcs = own_run(out.boundary.arcs, share.balls.first);

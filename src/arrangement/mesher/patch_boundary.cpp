@@ -180,8 +180,8 @@ void gather_boundary(const PlacedBalls& balls, const BoundaryArcs& boundary,
   for (const std::uint32_t n : neighbors) out.caps.push_back(cap_of(n));
   // Only arcs between patches whose middle one had no width lie on a cap that is not listed.
   const auto cosine_of = [&](std::uint32_t neighbor) {
-    const auto at = std::ranges::find(neighbors, neighbor);
-    return at == neighbors.end()
+    const auto at = std::ranges::lower_bound(neighbors, neighbor);
+    return at == neighbors.end() || *at != neighbor
                ? cap_of(neighbor).cosine
                : out.caps[static_cast<std::size_t>(at - neighbors.begin())].cosine;
   };

@@ -30,6 +30,7 @@
 #include "arrangement/mesher/piece_lens.hpp"
 #include "arrangement/mesher/stereographic.hpp"
 #include "core/monitor.hpp"
+#include "core/steps.hpp"
 
 namespace vdwmesh {
 namespace triangulator {
@@ -66,6 +67,8 @@ class PatchTriangulator {
         edge_length_(edge_length < kLongestEdge ? edge_length : kLongestEdge),
         widest_view_(widest_view),
         monitor_(monitor),
+        steps_(monitor),
+        caps_(boundary.caps),
         projection_(buried_pole(boundary)),
         lattice_(lattice),
         work_(work),
@@ -108,6 +111,11 @@ class PatchTriangulator {
   }
 
  private:
+  // On the host the monitor is asked once in some steps.
+  VDWMESH_HD void count_steps(std::size_t steps) {
+    if constexpr (!Memory::kIsBounded) steps_.add(steps);
+  }
+
   // Asks for a piece to be split into 2^halvings parts.
   VDWMESH_HD void want_split(std::uint32_t piece, std::uint32_t halvings = 1) {
     splits_.push_back({boundary_.pieces[piece].source, halvings});
@@ -212,9 +220,10 @@ class PatchTriangulator {
       longest = std::max(longest, chord(w.pieces[k]));
     });
     if (leaks.empty()) return;
-    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
-      if (hides_a_point(p)) want_split(p);
-    }
+    visit_pieces([&](std::uint32_t t, std::uint32_t k) {
+      count_steps(1);
+      if (hides_a_point(t, plane_.triangle(t).pieces[k])) want_split(plane_.triangle(t).pieces[k]);
+    });
     // A point may be so near to an arc that its lens is not seen to have it.
     if (!splits_.empty()) return;
     for (const std::uint32_t p : leaks) {
@@ -222,15 +231,28 @@ class PatchTriangulator {
     }
   }
 
-  // Whether a point of the boundary lies between a piece and its arc. A point of the same circle
-  // does not.
-  VDWMESH_HD bool hides_a_point(std::uint32_t p) const {
+  // Whether a point of the boundary lies between piece p, which triangle t has, and its arc. A
+  // point of the same circle does not. On the host only points near the piece are looked at.
+  VDWMESH_HD bool hides_a_point(std::uint32_t t, std::uint32_t p) {
     const BoundaryPiece& piece = boundary_.pieces[p];
     const PieceLens lens(points_[piece.from], points_[piece.to], piece.bulge, projection_);
-    for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) {
-      if (lens.contains(plane_.point(i)) && !circles_.on(i, piece.neighbor)) return true;
+    const auto is_hidden = [&](std::uint32_t i) {
+      return lens.contains(plane_.point(i)) && !circles_.on(i, piece.neighbor);
+    };
+    if constexpr (Memory::kIsBounded) {
+      for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) {
+        if (is_hidden(i)) return true;
+      }
+      return false;
+    } else {
+      const std::size_t count = boundary_.points.size();  // corners of the frame have more
+      for (const std::uint32_t near : plane_.triangles_at_disk(lens.center(), lens.radius(), t)) {
+        for (const std::uint32_t i : plane_.triangle(near).vertices) {
+          if (i < count && is_hidden(i)) return true;
+        }
+      }
+      return false;
     }
-    return false;
   }
 
   // The length of a piece on the unit sphere.
@@ -273,11 +295,11 @@ class PatchTriangulator {
   // margin.
   VDWMESH_HD void insert_lattice() {
     CapMargins<Memory> margins(boundary_.caps, kLatticeMargin * edge_length_, work_.margins);
+    if constexpr (!Memory::kIsBounded) caps_.build(margins.bounds(), monitor_);
     std::uint32_t near = plane_.triangle_at(0);
-    for ([[maybe_unused]] std::size_t step = 0;
-         const Vec3d& u : lattice_.points(edge_length_, margins)) {
-      if constexpr (!Memory::kIsBounded) check_cancelled(monitor_, step++);
-      if (!margins.is_clear(u)) continue;
+    for (const Vec3d& u : lattice_.points(edge_length_, margins)) {
+      count_steps(caps_.tests(u));
+      if (!margins.is_clear(u, caps_)) continue;
       const PlanePoint p = projection_.project(u);
       const Location at = plane_.locate(p, near);
       near = at.triangle;
@@ -286,8 +308,7 @@ class PatchTriangulator {
   }
 
   VDWMESH_HD bool is_buried(const Vec3d& u) const {
-    return holds_for_any<Memory>(boundary_.caps.size(),
-                                 [&](std::size_t i) { return boundary_.caps[i].covers(u); });
+    return caps_.holds_for_any(u, [&](std::size_t i) { return boundary_.caps[i].covers(u); });
   }
 
   // Whether a location is inside the patch, and neither a vertex nor on a piece; and whether there
@@ -340,7 +361,7 @@ class PatchTriangulator {
     const std::size_t most = 20 * (points_.size() + 50);
     for (std::size_t i = 0; i < work_.queue.size() && points_.size() < most; ++i) {
       if (plane_.has_failed()) return;
-      if constexpr (!Memory::kIsBounded) check_cancelled(monitor_, i);
+      count_steps(1);
       const Candidate c = work_.queue[i];
       if (is_unchanged(c)) try_insert(circumcenter(corners(c.triangle)), c.triangle);
     }
@@ -349,6 +370,7 @@ class PatchTriangulator {
   // Inserts u if it lies inside the patch and not too near to the boundary. `near` is a triangle
   // from which the search for u starts.
   VDWMESH_HD void try_insert(const Vec3d& u, std::uint32_t near) {
+    count_steps(caps_.tests(u));
     if (is_buried(u)) return;
     const PlanePoint p = projection_.project(u);
     const Location at = plane_.locate(p, near);
@@ -394,20 +416,22 @@ class PatchTriangulator {
     find_edges_within_circles();
     for (int round = 0; round < kMostRounds && !found.empty() && !plane_.has_failed(); ++round) {
       for (const auto& [c, k] : found) {
+        count_steps(1);
         if (is_unchanged(c)) divide_edge(c.triangle, k);
       }
       find_edges_within_circles();
     }
-    for (const auto& [c, k] : found) {
-      split_pieces_at(c.vertices[corner_after(k)], c.vertices[corner_before(k)]);
-    }
+    if (!found.empty()) split_pieces_at_ends_of(found);
   }
 
-  // Asks for splits of all pieces that end in one of the two points.
-  VDWMESH_HD void split_pieces_at(std::uint32_t a, std::uint32_t b) {
+  // Asks for splits of all pieces that end where an edge does.
+  VDWMESH_HD void split_pieces_at_ends_of(const Array<InnerEdge>& edges) {
+    numbers_.assign(boundary_.points.size(), std::uint32_t{0});
+    for (const auto& [c, k] : edges) {
+      numbers_[c.vertices[corner_after(k)]] = numbers_[c.vertices[corner_before(k)]] = 1;
+    }
     for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
-      const BoundaryPiece& piece = boundary_.pieces[p];
-      if (piece.from == a || piece.to == a || piece.from == b || piece.to == b) want_split(p);
+      if (numbers_[boundary_.pieces[p].from] || numbers_[boundary_.pieces[p].to]) want_split(p);
     }
   }
 
@@ -480,6 +504,8 @@ class PatchTriangulator {
   double edge_length_;  // as a fraction of the radius, at most kLongestEdge
   double widest_view_;  // a cosine
   Monitor* monitor_;
+  Steps steps_;
+  CapTree<Memory> caps_;
   const AngleBound* angles_ = nullptr;
   const AngleFloors* floors_ = nullptr;
   double bad_sine_ = kBadAngleSine;

@@ -2,6 +2,7 @@
 // and the image of its arc, which is a circle's. For host and device.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "arrangement/directions.hpp"
@@ -37,6 +38,15 @@ class PieceLens {
   VDWMESH_HD bool contains(const PlanePoint& q) const {
     const View view = view_from(q);
     return view.cross * cross_ > 0 && view.dot * std::abs(cross_) < dot_ * std::abs(view.cross);
+  }
+
+  // A disk around the middle of the piece that has the lens in it: the one above the piece, or, if
+  // the arc is more than half of its circle in the plane, one that comes to the middle of the arc.
+  PlanePoint center() const { return {(a_.x + b_.x) / 2, (a_.y + b_.y) / 2}; }
+  double radius() const {
+    const double half = std::hypot(b_.x - a_.x, b_.y - a_.y) / 2;
+    if (cross_ == 0) return half;
+    return half * std::max(1.0, (std::hypot(dot_, cross_) + dot_) / std::abs(cross_));
   }
 
  private:

@@ -370,4 +370,33 @@ VDWMESH_HD std::span<const PlaneTypes::Edge> PlaneTriangulationOf<Memory>::piece
   return found_;
 }
 
+// From one triangle to the next, across edges that meet the disk.
+template <class Memory>
+std::span<const std::uint32_t> PlaneTriangulationOf<Memory>::triangles_at_disk(
+    const PlanePoint& center, double radius, std::uint32_t from) {
+  constexpr double kRounding = 1e-6, kRoundingOfFrame = 1e-12;
+  const double reach = (1 + kRounding) * radius + kRoundingOfFrame * largest_;
+  const auto meets = [&](const PlanePoint& a, const PlanePoint& b) {
+    const double bx = b.x - a.x, by = b.y - a.y, cx = center.x - a.x, cy = center.y - a.y;
+    const double t = std::clamp((cx * bx + cy * by) / (bx * bx + by * by), 0.0, 1.0);
+    const double x = cx - t * bx, y = cy - t * by;
+    return x * x + y * y <= reach * reach;
+  };
+  visits_.resize(triangles_.size(), 0);
+  ++search_;
+  stack_.assign(1, from);
+  visits_[from] = search_;
+  for (std::size_t i = 0; i < stack_.size(); ++i) {
+    const LinkedTriangle& t = triangles_[stack_[i]];
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t n = t.neighbors[k];
+      if (n == kNoNeighbor || visits_[n] == search_) continue;
+      if (!meets(point(t.vertices[corner_after(k)]), point(t.vertices[corner_before(k)]))) continue;
+      visits_[n] = search_;
+      stack_.push_back(n);
+    }
+  }
+  return stack_;
+}
+
 }  // namespace vdwmesh

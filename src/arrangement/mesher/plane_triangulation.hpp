@@ -75,6 +75,11 @@ class PlaneTriangulationOf : public PlaneTypes {
   // inside of it. `at` is the triangle that p lies in. The span is valid until the next call.
   VDWMESH_HD std::span<const Edge> pieces_around(const PlanePoint& p, std::uint32_t at);
 
+  // The triangles that meet a disk, and some near it. `from` must be one that meets it. For the
+  // host. The span is valid until the next call.
+  std::span<const std::uint32_t> triangles_at_disk(const PlanePoint& center, double radius,
+                                                   std::uint32_t from);
+
   VDWMESH_HD std::span<const LinkedTriangle> triangles() const { return triangles_; }
   VDWMESH_HD const LinkedTriangle& triangle(std::uint32_t t) const { return triangles_[t]; }
   // A triangle at a vertex.

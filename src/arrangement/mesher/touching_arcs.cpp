@@ -4,8 +4,9 @@
 // touch from outside if their caps touch without overlapping.
 //
 // Steps: (1) All arcs are sorted by ball and by the ball on their other side, so that the arcs of
-// one circle follow each other. (2) For each ball, every pair of its circles is tested on the unit
-// sphere about its centre. If the circles touch from outside and both have an exposed arc at the
+// one circle follow each other. (2) For each ball, pairs of its circles are tested on the unit
+// sphere about its centre: all pairs of few circles, and of many those that have arcs near each
+// other. If the circles touch from outside and both have an exposed arc at the
 // point, the point becomes a corner, and a cut of these arcs is noted. (3) An arc belongs to two
 // balls, and both may find the same point of it; such cuts are merged. (4) The arcs are cut.
 // boundary_arcs.cpp calls join_touching_arcs() before it merges corners.
@@ -22,6 +23,8 @@
 #include "arrangement/directions.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
+#include "core/steps.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -30,6 +33,9 @@ namespace {
 // the other reversed, is less than this. If parallel circles are close to each other at all, they
 // are close all around, so there is no single point to cut. boundary_arcs.cpp closes such slits.
 constexpr double kParallel = 1e-6;
+
+// All pairs of so many circles are tested.
+constexpr std::size_t kFewCircles = 64;
 
 // A circle on the unit sphere about the centre of a ball, namely the rim of what another ball
 // covers.
@@ -70,15 +76,16 @@ struct Cut {
 
 class TouchingArcs {
  public:
-  TouchingArcs(const PlacedBalls& balls, BoundaryArcs& boundary) : t_(balls), out_(boundary) {}
+  TouchingArcs(const PlacedBalls& balls, BoundaryArcs& boundary, Monitor* monitor)
+      : t_(balls), out_(boundary), monitor_(monitor) {}
 
   std::vector<std::array<std::uint32_t, 2>> run() && {
     list_arcs();
     // The search changes nothing, so all balls can be searched at once.
-    const std::vector<Touch> touches =
-        collect<Touch>(ball_arcs_.size(), [&](std::size_t i, std::vector<Touch>& found) {
-          if (i == 0 || ball_arcs_[i].ball != ball_arcs_[i - 1].ball) search_ball(i, found);
-        });
+    const auto search = [&](std::size_t i, std::vector<Touch>& found) {
+      if (i == 0 || ball_arcs_[i].ball != ball_arcs_[i - 1].ball) search_ball(i, found);
+    };
+    const std::vector<Touch> touches = collect<Touch>(ball_arcs_.size(), search, monitor_);
     for (const Touch& t : touches) touch(t.ball, t.circles[0], t.circles[1], t.point);
     join_cuts();
     cut_arcs();
@@ -97,7 +104,7 @@ class TouchingArcs {
   }
 
   // Step (2) for one ball: gathers its circles from its entries of ball_arcs_, from `begin` on, and
-  // tests all pairs. Entries with the same other ball are arcs of one circle.
+  // tests pairs. Entries with the same other ball are arcs of one circle.
   void search_ball(std::size_t begin, std::vector<Touch>& found) const {
     const std::uint32_t ball = ball_arcs_[begin].ball;
     std::vector<Circle> circles;
@@ -108,12 +115,61 @@ class TouchingArcs {
         circles.push_back(circle_at(i));
       }
     }
+    const auto test = [&](std::size_t i, std::size_t j) {
+      if (const auto point = touching_point(circles[i], circles[j]))
+        found.push_back({ball, {circles[i], circles[j]}, *point});
+    };
+    if (circles.size() > kFewCircles) {
+      for (const auto& [i, j] : near_circles(ball, circles)) test(i, j);
+      return;
+    }
     for (std::size_t i = 0; i < circles.size(); ++i) {
-      for (std::size_t j = i + 1; j < circles.size(); ++j) {
-        if (const auto point = touching_point(circles[i], circles[j]))
-          found.push_back({ball, {circles[i], circles[j]}, *point});
+      for (std::size_t j = i + 1; j < circles.size(); ++j) test(i, j);
+    }
+  }
+
+  // Pairs i < j of circles, ascending, with all those that touch() does not pass over: such circles
+  // have arcs that come within `reach` of one point. Each arc gets a ball around it, in radii of
+  // the ball that it lies on, and pairs of these balls that meet are found in a list of cells.
+  std::vector<std::array<std::uint32_t, 2>> near_circles(std::uint32_t ball,
+                                                         std::span<const Circle> circles) const {
+    const Sphere& s = t_.balls[ball];
+    const double reach = std::max(1e-7, 8 * out_.sizes.arc);  // twice that of touch(), and more
+    std::vector<Sphere> around;
+    std::vector<std::uint32_t> circle_of;
+    for (std::uint32_t i = 0; i < circles.size(); ++i) {
+      for (std::size_t k = circles[i].first; k < circles[i].first + circles[i].count; ++k) {
+        const Sphere of_arc = ball_around(out_.arcs[ball_arcs_[k].arc]);
+        around.push_back(
+            {(1 / s.radius) * (of_arc.center - s.center), of_arc.radius / s.radius + reach});
+        circle_of.push_back(i);
       }
     }
+    const CellList list = make_ball_list(SphereSet::view(around));
+    const CellListView view = list.view();
+    std::vector<std::array<std::uint32_t, 2>> pairs;
+    Steps steps(monitor_);
+    for (std::uint32_t k = 0; k < around.size(); ++k) {
+      const Sphere& a = around[k];
+      const Vec3d box{a.radius, a.radius, a.radius};
+      visit_near_box(view, a.center - box, a.center + box, [&](ListPlace place) {
+        steps.add(1);
+        const Sphere& b = view.spheres[place];
+        const std::uint32_t i = circle_of[k], j = circle_of[view.id[place]];
+        if (i < j && norm(a.center - b.center) <= a.radius + b.radius) pairs.push_back({i, j});
+        return false;
+      });
+    }
+    std::ranges::sort(pairs);
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return pairs;
+  }
+
+  // A ball that has the arc in it, but for rounding: around the centre of its circle, or around its
+  // middle, from which its ends are farthest.
+  static Sphere ball_around(const BoundaryArc& arc) {
+    if (arc.sweep >= std::numbers::pi) return {arc.center, arc.radius};
+    return {arc.at(arc.sweep / 2), 2 * arc.radius * std::sin(arc.sweep / 4)};
   }
 
   // The circle of entry `place` of ball_arcs_, as yet with this arc alone.
@@ -285,6 +341,7 @@ class TouchingArcs {
 
   const PlacedBalls& t_;
   BoundaryArcs& out_;
+  Monitor* const monitor_;
   SortedRows<ArcOfBall> rows_;            // by ball
   std::span<const ArcOfBall> ball_arcs_;  // of all rows: by ball, then other ball, then arc
   // The cuts of all arcs. join_cuts() sorts them by arc and angle.
@@ -296,8 +353,9 @@ class TouchingArcs {
 }  // namespace
 
 std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(const PlacedBalls& balls,
-                                                             BoundaryArcs& boundary) {
-  return TouchingArcs(balls, boundary).run();
+                                                             BoundaryArcs& boundary,
+                                                             Monitor* monitor) {
+  return TouchingArcs(balls, boundary, monitor).run();
 }
 
 }  // namespace vdwmesh

@@ -17,7 +17,9 @@ namespace vdwmesh {
 // points to its `joins`.
 //
 // Returns pairs of corners that are one point, as indices into `corners`; the caller merges them.
+// Throws Cancelled.
 std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(const PlacedBalls& balls,
-                                                             BoundaryArcs& boundary);
+                                                             BoundaryArcs& boundary,
+                                                             Monitor* monitor);
 
 }  // namespace vdwmesh

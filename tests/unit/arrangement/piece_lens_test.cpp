@@ -53,6 +53,9 @@ TEST(PieceLens, HoldsWhatIsBetweenChordAndArc) {
     EXPECT_FALSE(lens.contains(between(on_piece, on_arc, -0.1))) << i;
     EXPECT_TRUE(lens.contains(between(on_piece, on_arc, dice.real(0.01, 0.99)))) << i;
     EXPECT_FALSE(lens.contains(between(on_piece, on_arc, 1.01))) << i;
+    const PlanePoint center = lens.center();
+    EXPECT_LE(std::hypot(on_arc.x - center.x, on_arc.y - center.y), (1 + 1e-9) * lens.radius())
+        << i;
   }
   EXPECT_GT(tried, 1000);
 }
