@@ -141,11 +141,11 @@ void require_row(const std::string& line, const std::string& path, std::uint64_t
             "-o {}: row {} is not of {} with these options and this program; name another file, "
             "or say --resume off",
             path, row, structure ? structure->name : "any structure");
-  refuse_if(!torn && !line.substr(beginning.size()).starts_with(
-                         writer.content(content_of(*structure))),
-            "-o {}: {} is another one than when row {} was written; name another file, or say "
-            "--resume off",
-            path, structure->name, row);
+  refuse_if(
+      !torn && !line.substr(beginning.size()).starts_with(writer.content(content_of(*structure))),
+      "-o {}: {} is another one than when row {} was written; name another file, or say "
+      "--resume off",
+      path, structure->name, row);
 }
 
 // Goes through the lines of the file and the structures of the source side by side. Throws where a

@@ -311,8 +311,9 @@ void settle_picture(const Draft& d) {
               "{}: says how --picture FILE is drawn; add that", name);
   }
   if (path.empty()) return;
-  refuse_if(lower_case(path.extension().string()) != ".png", "{} {}: pictures are PNG; name a .png file",
-            first_given(d, {"-o", "--picture"}), path.string());
+  refuse_if(lower_case(path.extension().string()) != ".png",
+            "{} {}: pictures are PNG; name a .png file", first_given(d, {"-o", "--picture"}),
+            path.string());
   const Renderer available;
 }
 

@@ -78,9 +78,7 @@ void describe(JsonText& a, const RunKey& key) {
   a("device", key.device), a("threads", key.threads);
 }
 
-std::string hash_text(std::string_view bytes) {
-  return fmt::format("{:016x}", fnv1a(bytes));
-}
+std::string hash_text(std::string_view bytes) { return fmt::format("{:016x}", fnv1a(bytes)); }
 
 StudyStore::StudyStore(const fs::path& folder) : folder_(folder / "runs") {
   make_folder(folder);
