@@ -52,6 +52,7 @@ ReportRow make_report_row(const NamedStructure& structure, const Options& option
                           const BatchOptions& one) {
   ReportRow row;
   row.name = structure.name;
+  row.content = content_of(structure);
   row.error = refusal_of([&] { report_into(row, structure, options, one); });
   return row;
 }

@@ -5,7 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <sstream>
+
 #include "build_id.hpp"
+#include "core/fnv.hpp"
 #include "csv_row.hpp"
 #include "describe_comparison.hpp"
 #include "json_text.hpp"
@@ -48,7 +52,7 @@ void describe_figures(A& a, const ReportRow& row) {
 template <class Row>
 std::string json_row(const Row& row, const std::string& settings) {
   JsonText json(JsonText::Layout::compact);
-  json("name", row.name), json("settings", settings);
+  json("name", row.name), json("settings", settings), json("content", row.content);
   describe_figures(json, row);
   json("warnings", row.warnings), json("error", row.error);
   return std::move(json).take();
@@ -57,7 +61,7 @@ std::string json_row(const Row& row, const std::string& settings) {
 template <class Row>
 CsvRow csv_row(const Row& row, const std::string& settings) {
   CsvRow csv(kNeverKnown);
-  csv("name", without_breaks(row.name)), csv("settings", settings);
+  csv("name", without_breaks(row.name)), csv("settings", settings), csv("content", row.content);
   describe_figures(csv, row);
   csv("warnings", row.warnings.size()), csv("error", row.error);
   return csv;
@@ -88,6 +92,18 @@ std::string mesh_settings(const Options& o) {
                      o.distances.seed);
 }
 
+// The files that --radii names: the whole of it, or what stands between its commas.
+std::vector<std::string> radius_files(const std::string& radii) {
+  std::vector<std::string> files{radii};
+  std::istringstream parts(radii);
+  for (std::string part; std::getline(parts, part, ',');) files.push_back(part);
+  std::erase_if(files, [](const std::string& file) {
+    std::error_code error;
+    return !std::filesystem::is_regular_file(file, error);
+  });
+  return files;
+}
+
 }  // namespace
 
 std::string RowWriter::header() const {
@@ -105,7 +121,12 @@ std::string RowWriter::beginning(const std::string& name) const {
   BatchRow row;
   row.name = name;
   const std::string line = json_row(row, settings_);
-  return line.substr(0, line.find("\"atoms\":", line.find(settings_)));
+  return line.substr(0, line.find("\"content\":", line.find(settings_)));
+}
+
+std::string RowWriter::content(const std::optional<std::string>& content) const {
+  if (format_ == RowFormat::csv) return content.value_or("") + ',';
+  return content ? fmt::format("\"content\":\"{}\",", *content) : "\"content\":null,";
 }
 
 bool RowWriter::is_refusal(std::string_view line) const {
@@ -120,10 +141,11 @@ std::string settings_key(const Options& options) {
                                 static_cast<int>(r.waters), static_cast<int>(r.hydrogens),
                                 static_cast<int>(r.hetero_atoms), r.altloc, r.radii, input.probe,
                                 name_of(options.exact.method), name_of(options.exact.topology));
+  for (const std::string& file : radius_files(r.radii)) {
+    all += '\n' + content_of({file, std::nullopt, ""}).value_or("");
+  }
   if (options.batch.verb == BatchVerb::report) all += '\n' + mesh_settings(options);
-  std::uint64_t key = 0xcbf29ce484222325;  // FNV-1a: offset and prime of 64 bits
-  for (const char c : all) key = (key ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return fmt::format("{:016x}", key);
+  return fmt::format("{:016x}", fnv1a(all));
 }
 
 }  // namespace vdwmesh::apps

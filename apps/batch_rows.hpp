@@ -22,8 +22,9 @@ class RowWriter {
   std::string header() const;
   std::string text(const BatchRow& row) const;
   std::string text(const ReportRow& row) const;
-  // What text() begins with for a structure of that name.
+  // What text() begins with for a structure of that name, and with that content() behind it.
   std::string beginning(const std::string& name) const;
+  std::string content(const std::optional<std::string>& content) const;
   // Whether a line of text() says that its structure was refused.
   bool is_refusal(std::string_view line) const;
 
@@ -34,7 +35,8 @@ class RowWriter {
 };
 
 // 16 digits that depend on everything that rows depend on beside the structures: the program, the
-// choice of atoms, radii, probe and method, and of rows of reports how the mesh is made.
+// choice of atoms, radii, with what a file of them holds, probe and method, and of rows of reports
+// how the mesh is made.
 std::string settings_key(const Options& options);
 
 }  // namespace vdwmesh::apps

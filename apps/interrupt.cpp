@@ -41,6 +41,8 @@ void install_signal_handlers() {
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  // A file that grows past its limit is an error of the write, which says so.
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 int pending_signal() { return pending.load(); }

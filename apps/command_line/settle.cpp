@@ -196,6 +196,12 @@ void settle_input(Draft& d) {
             "--sample: takes one structure here; name ubiquitin or bpti");
 }
 
+// Whether triangles are coloured by a number.
+bool shows_values(std::optional<ColorBy> color) {
+  return color == ColorBy::distance || color == ColorBy::angle ||
+         color == ColorBy::mean_curvature || color == ColorBy::gaussian_curvature;
+}
+
 // A mesh file is drawn as it is: what is said about structures would be lost on it.
 void settle_render(const Draft& d) {
   if (d.verb != kRender) return;
@@ -206,7 +212,14 @@ void settle_render(const Draft& d) {
   refuse_if(color == ColorBy::distance && excluded,
             "--color distance: is measured to the boundary of the balls; leave out --surface "
             "excluded");
-  if (d.paths.empty() || !find_mesh_format(d.paths.front())) return;
+  const bool of_mesh = !d.paths.empty() && find_mesh_format(d.paths.front());
+  const std::string of_values = first_given(d, {"--color-map", "--color-range"});
+  refuse_if(!of_values.empty() && !shows_values(color),
+            "{}: is of colours that show values; add --color angle{}", of_values,
+            of_mesh    ? ""
+            : excluded ? ", mean-curvature or gaussian-curvature"
+                       : " or distance");
+  if (!of_mesh) return;
   refuse_if(color == ColorBy::element || color == ColorBy::distance,
             "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
             "colours it by distance");
@@ -304,8 +317,9 @@ void settle_picture(const Draft& d) {
               "{}: says how --picture FILE is drawn; add that", name);
   }
   if (path.empty()) return;
-  refuse_if(path.extension() != ".png", "{} {}: pictures are PNG; name a .png file",
-            first_given(d, {"-o", "--picture"}), path.string());
+  refuse_if(lower_case(path.extension().string()) != ".png",
+            "{} {}: pictures are PNG; name a .png file", first_given(d, {"-o", "--picture"}),
+            path.string());
   const Renderer available;
 }
 
@@ -330,7 +344,8 @@ void settle_batch(Draft& d) {
       "--shard: standard input is not counted beforehand; name the list or archive as a file");
   refuse_if(std::ranges::count(d.paths, "-") > 1, "INPUT -: standard input can be read only once");
   if (batch.rows != RowFormat::by_extension) return;
-  const std::string extension = std::filesystem::path(batch.output).extension().string();
+  const std::string extension =
+      lower_case(std::filesystem::path(batch.output).extension().string());
   const bool lines = extension == ".jsonl" || extension == ".ndjson" || extension == ".json";
   refuse_if(!batch.output.empty() && !lines && extension != ".csv",
             "-o {}: rows are .jsonl, .ndjson, .json or .csv; or say --rows", batch.output);
@@ -355,6 +370,20 @@ void settle_excluded_study(Draft& d) {
   axes.projections = {StudyProjection::own};
 }
 
+// An axis of a mesher or projection that the study leaves out would be dropped.
+void settle_axes(const Draft& d) {
+  if (d.verb != kStudy) return;
+  const StudyAxes& axes = d.options.study.axes;
+  const auto has = [&](Mesher mesher) { return std::ranges::count(axes.meshers, mesher) > 0; };
+  const std::string of_cubes = first_given(d, {"--spacing", "--field", "--project"});
+  refuse_if(!of_cubes.empty() && !has(Mesher::marching_cubes),
+            "{}: is of marching cubes; add marching-cubes to --mesher", of_cubes);
+  refuse_if(is_given(d, "--edge-length") && !has(Mesher::exact),
+            "--edge-length: is of the exact mesher; add exact to --mesher");
+  refuse_if(is_given(d, "--project") && std::ranges::all_of(axes.subdivisions, std::logical_not()),
+            "--project: follows a subdivision; add 1 to --subdivide");
+}
+
 // The axes of a study are in order whatever was typed, and so are its table and its page.
 void settle_study(Draft& d) {
   StudyOptions& study = d.options.study;
@@ -365,7 +394,11 @@ void settle_study(Draft& d) {
   std::ranges::sort(study.axes.edge_lengths, std::greater());
   std::ranges::sort(study.axes.subdivisions);
   study.surface = d.options.exact.surface;
-  if (study.surface == ExactSurface::excluded) settle_excluded_study(d);
+  if (study.surface == ExactSurface::excluded) {
+    settle_excluded_study(d);
+  } else {
+    settle_axes(d);
+  }
   study.distances = d.options.distances;
   study.self_intersections = d.options.self_intersections;
   study.machine = d.options.machine;

@@ -14,6 +14,7 @@
 
 #include "build_id.hpp"
 #include "core/errors.hpp"
+#include "core/fnv.hpp"
 #include "json_text.hpp"
 #include "output.hpp"
 #include "refuse.hpp"
@@ -77,11 +78,7 @@ void describe(JsonText& a, const RunKey& key) {
   a("device", key.device), a("threads", key.threads);
 }
 
-std::string hash_text(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return fmt::format("{:016x}", hash);
-}
+std::string hash_text(std::string_view bytes) { return fmt::format("{:016x}", fnv1a(bytes)); }
 
 StudyStore::StudyStore(const fs::path& folder) : folder_(folder / "runs") {
   make_folder(folder);

@@ -121,7 +121,7 @@ def batch(
         raise InvalidInput(f"probe: {grown} is not finite")
     run = _core.BatchRun(
         [os.fspath(path) for path in inputs], part, parts, threads=workers,
-        probe=grown, topology=topology_request(topology), method=method,
+        probe=grown, topology=topology_request(topology, method), method=method,
         **read_options(
             format, model, assembly, radii, select, altloc,
             waters=waters, hydrogens=hydrogens, hetatm=hetatm,

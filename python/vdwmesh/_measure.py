@@ -116,17 +116,18 @@ class Options:
     @staticmethod
     def of(probe: Any, topology: Any, threads: Any, device: str, **others: Any) -> Options:
         """From the arguments of the functions that users call."""
-        return Options(
-            number("probe", probe), topology_request(topology), thread_count(threads), device, **others
-        )
+        request = topology_request(topology, others.get("method", "auto"))
+        return Options(number("probe", probe), request, thread_count(threads), device, **others)
 
 
-def topology_request(topology: Any) -> str:
-    """The argument `topology`: False, True or "counts"."""
+def topology_request(topology: Any, method: str = "auto") -> str:
+    """The argument `topology`: False, True, which the method must know, or "counts"."""
     if isinstance(topology, str):
         if topology != "counts":
             raise InvalidInput(f'topology: {topology!r}; there are False, True and "counts"')
         return topology
+    if topology and method == "arcs":
+        raise InvalidInput('topology: True needs the triangulation, which "arcs" do without; leave out method')
     return "full" if topology else "none"
 
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, Ids, NDArray
 
 
+_DEFAULTS: dict[str, Any] = {"spacing": 0.5, "edge_length": 0.35, "crossings": "undo"}
+
 PATCH_KINDS = ("contact", "saddle", "concave")
 
 
@@ -192,11 +194,11 @@ def mesh(
     surface: str = "vdw",
     mesher: str = "exact",
     field: str = "vdw",
-    spacing: float = 0.5,
-    edge_length: float | ArrayLike = 0.35,
+    spacing: float | None = None,
+    edge_length: float | ArrayLike | None = None,
     min_angle: float | None = None,
     subdivide: int = 0,
-    crossings: str = "undo",
+    crossings: str | None = None,
     normals: bool = True,
     fixed_grid: bool = False,
     threads: int | None = None,
@@ -220,10 +222,10 @@ def mesh(
         "marching-cubes" walks a grid.
     field : {"vdw", "blinn", "soft", "inverse-squared"}
         Of marching cubes: the union of the balls, or a blended field.
-    spacing : float
-        Of the grid of marching cubes, Å.
-    edge_length : float or array_like, shape (N,)
-        Of the exact mesher, Å, for all atoms or by atom; edges are shorter at narrow features, and where
+    spacing : float, optional
+        Of the grid of marching cubes, Å; 0.5 by default.
+    edge_length : float or array_like, shape (N,), optional
+        Of the exact mesher, Å, 0.35 by default, for all atoms or by atom; edges are shorter at narrow features, and where
         atoms meet the shorter length holds. ``0.2 * radii`` gives every atom as many triangles.
     min_angle : float, optional
         Of the exact mesher, degrees, at most 25: triangles with a smaller angle are made better, but near
@@ -231,9 +233,9 @@ def mesh(
         molecules, above that a few. It holds before a subdivision, and the CPU makes such meshes.
     subdivide : int
         Levels of midpoint subdivision, each with projection to the surface.
-    crossings : {"undo", "allow"}
-        Whether moves of a projection after which triangles cross are taken back, which costs several
-        times the projection, or stay. Of marching cubes: the exact mesher needs neither.
+    crossings : {"undo", "allow"}, optional
+        Of marching cubes that are subdivided: whether moves of a projection after which triangles cross are taken back, which costs several
+        times the projection, or stay. "undo" by default.
     normals : bool
         Whether the mesh has normals.
     fixed_grid : bool
@@ -265,15 +267,16 @@ def mesh(
     centers, sizes, _ = arrays_anywhere(coords, radii, device)
     if isinstance(subdivide, bool) or not isinstance(subdivide, (int, np.integer)) or subdivide < 0:
         raise InvalidInput(f"subdivide: {subdivide!r} is no number of levels")
+    _refuse_vain(mesher, int(subdivide), spacing, edge_length, crossings)
     options: dict[str, Any] = {
         "surface": surface,
         "mesher": mesher,
         "field": field,
-        "spacing": _positive("spacing", spacing),
-        **_edge_lengths(edge_length, len(sizes)),
+        "spacing": _positive("spacing", _DEFAULTS["spacing"] if spacing is None else spacing),
+        **_edge_lengths(_DEFAULTS["edge_length"] if edge_length is None else edge_length, len(sizes)),
         "min_angle": 0.0 if min_angle is None else _positive("min_angle", min_angle),
         "subdivide": int(subdivide),
-        "crossings": crossings,
+        "crossings": _DEFAULTS["crossings"] if crossings is None else crossings,
         "normals": bool(normals),
         "fixed_grid": bool(fixed_grid),
         "device": device,
@@ -357,6 +360,19 @@ def mesh_many(
     centers, sizes = (np.concatenate([pair[k] for pair in arrays]) for k in (0, 1))
     made = _core.mesh_many(centers, sizes, offsets, grown, cores, **options)
     return [Mesh._of(one) for one in made]
+
+
+def _refuse_vain(mesher: str, levels: int, spacing: Any, edge_length: Any, crossings: Any) -> None:
+    """Raises for an argument that the mesher has no use for."""
+    exact = mesher != "marching-cubes"
+    if exact and spacing is not None:
+        raise InvalidInput('spacing: the exact mesher has no grid; add mesher="marching-cubes", or give edge_length')
+    if not exact and edge_length is not None:
+        raise InvalidInput("edge_length: is of the exact mesher; marching cubes take spacing")
+    if exact and crossings is not None:
+        raise InvalidInput('crossings: the exact mesher makes none; leave it out, or add mesher="marching-cubes"')
+    if crossings is not None and levels == 0:
+        raise InvalidInput("crossings: come of the moves after a subdivision; leave it out, or add subdivide=1")
 
 
 def _radii_of_each(radii: Any, count: int) -> list[Any]:

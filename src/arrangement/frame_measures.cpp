@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <mutex>
+#include <utility>
 
 #include "arrangement/batch_frames.hpp"
 #include "arrangement/many_unions.hpp"
@@ -147,20 +149,18 @@ void measure_on_cpu(std::vector<ExactUnion>& result, std::span<const double> rad
   invalid.rethrow();
 }
 
-// The rows of all frames, one after another.
+// The rows of some frames, one after another.
 std::vector<Sphere> rows_of(std::span<const double> radii, const FrameCoordinates& frames,
-                            FirstInvalid& invalid) {
-  std::vector<Sphere> rows(frames.frames * frames.atoms);
-  for_each_union<FrameSpace>(frames.frames, nullptr,
-                             [&](std::size_t frame, FrameSpace& space, Monitor*) {
-                               report_invalid(frame, invalid, [&] {
-                                 read_frame(frames, frame, space.centers);
-                                 const std::span place(&rows[frame * frames.atoms], frames.atoms);
-                                 for (std::size_t i = 0; i < place.size(); ++i)
-                                   place[i] = {space.centers[i], radii[i]};
-                                 SphereSet::view(place);  // checks them
-                               });
-                             });
+                            std::size_t first, std::size_t count, FirstInvalid& invalid) {
+  std::vector<Sphere> rows(count * frames.atoms);
+  for_each_union<FrameSpace>(count, nullptr, [&](std::size_t k, FrameSpace& space, Monitor*) {
+    report_invalid(first + k, invalid, [&] {
+      read_frame(frames, first + k, space.centers);
+      const std::span place(&rows[k * frames.atoms], frames.atoms);
+      for (std::size_t i = 0; i < place.size(); ++i) place[i] = {space.centers[i], radii[i]};
+      SphereSet::view(place);  // checks them
+    });
+  });
   return rows;
 }
 
@@ -182,19 +182,33 @@ ExactUnion part_of(const BatchMeasures& batch, std::size_t first, const Measured
   return part;
 }
 
+// Adds the measures of some frames to the result, up to the first that cannot be measured.
+void measure_part(std::vector<ExactUnion>& result, std::span<const double> radii,
+                  const FrameCoordinates& frames, std::size_t first, std::size_t most,
+                  const FrameOptions& options, FirstInvalid& invalid) {
+  const std::vector<Sphere> rows = rows_of(radii, frames, first, most, invalid);
+  const std::size_t count = invalid.frames_before(first + most) - first;
+  if (count == 0) return;
+  const std::vector<std::size_t> offsets = frame_offsets(count, frames.atoms);
+  const BatchMeasures batch = options.measurer->measure(
+      {.spheres = rows.data(), .size = count * frames.atoms, .offsets = offsets},
+      options.measures.monitor);
+  std::vector<ExactUnion> part;
+  split_batch(part, batch, frames.atoms, options);
+  std::ranges::move(part, std::back_inserter(result));
+  if (first > 0) result[0].fallback_spheres += std::exchange(result[first].fallback_spheres, 0);
+}
+
+// The frames go to the measurer in parts that keep a device busy and take little memory.
 void measure_by_batch(std::vector<ExactUnion>& result, std::span<const double> radii,
                       const FrameCoordinates& frames, const FrameOptions& options) {
   require_arcs(options.measures);
+  const std::size_t most = std::max(options.balls_at_once / frames.atoms, std::size_t{1});
   FirstInvalid invalid;
-  const std::vector<Sphere> rows = rows_of(radii, frames, invalid);
-  const std::size_t count = invalid.frames_before(frames.frames);
   result.clear();
-  if (count > 0) {
-    const std::vector<std::size_t> offsets = frame_offsets(count, frames.atoms);
-    const BatchMeasures batch = options.measurer->measure(
-        {.spheres = rows.data(), .size = count * frames.atoms, .offsets = offsets},
-        options.measures.monitor);
-    split_batch(result, batch, frames.atoms, options);
+  for (std::size_t first = 0; first == result.size() && first < frames.frames; first += most) {
+    measure_part(result, radii, frames, first, std::min(most, frames.frames - first), options,
+                 invalid);
   }
   invalid.rethrow();
 }

@@ -34,9 +34,11 @@ struct FrameOptions {
   // Of each frame. Its workspace must be null.
   UnionOptions measures{.topology = TopologyRequest::none};
   PerSphere per_sphere = PerSphere::drop;  // whether the results have ExactUnion::per_sphere
-  // If set, it measures all frames in one batch, and the results differ from those of the CPU as it
-  // says. It serves method automatic or arcs without topology and certificate.
+  // If set, it measures frames in batches of so many balls, or of one frame, and the results differ
+  // from those of the CPU as it says. It serves method automatic or arcs without topology and
+  // certificate.
   const UnionMeasurer* measurer = nullptr;
+  std::size_t balls_at_once = std::size_t{1} << 22;
 };
 
 // A frame that cannot be measured. The message is the reason alone, because the caller knows the

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <fstream>
 #include <new>
 #include <numeric>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "batch/molecule_spheres.hpp"
 #include "batch/ordered_rows.hpp"
 #include "core/errors.hpp"
+#include "core/fnv.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -45,6 +47,7 @@ void measure(const NamedStructure& structure, const BatchOptions& options, Space
 BatchRow row_of(const NamedStructure& structure, const BatchOptions& options, Space& space) {
   BatchRow row;
   row.name = structure.name;
+  row.content = content_of(structure);
   row.error = refusal_of([&] { measure(structure, options, space, row); });
   if (row.error) space.workspace.clear();  // may be half filled
   return row;
@@ -56,6 +59,21 @@ std::size_t workers_for(const BatchOptions& options) {
 }
 
 }  // namespace
+
+std::optional<std::string> content_of(const NamedStructure& structure) {
+  if (!structure.fault.empty()) return std::nullopt;
+  std::uint64_t hash = fnv1a(structure.bytes ? *structure.bytes : std::string());
+  if (!structure.bytes) {
+    std::ifstream file(structure.name, std::ios::binary);
+    std::vector<char> part(std::size_t{1} << 16);
+    do {
+      file.read(part.data(), static_cast<std::streamsize>(part.size()));
+      hash = fnv1a({part.data(), static_cast<std::size_t>(file.gcount())}, hash);
+    } while (file);
+    if (!file.eof()) return std::nullopt;
+  }
+  return fmt::format("{:016x}", hash);
+}
 
 Molecule read_named_structure(const NamedStructure& structure, const ReadOptions& options) {
   if (!structure.fault.empty()) throw FileFormatError(structure.fault);

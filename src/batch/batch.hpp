@@ -30,6 +30,7 @@ struct BatchOptions {
 // What is known of one structure. Members without a value were not computed.
 struct BatchRow {
   std::string name;
+  std::optional<std::string> content;  // content_of() the structure, from before it was read
   std::optional<std::uint64_t> atoms;  // that are measured, or cover those
   std::optional<std::map<std::string, std::uint64_t>> left_out;  // reason -> atoms of the file
   std::optional<std::uint64_t> assumed_radii;     // atoms, see Molecule::radii_assumed
@@ -44,6 +45,10 @@ struct BatchRow {
   std::vector<std::string> warnings;  // what may be wrong with the file
   std::optional<std::string> error;   // why there are no measures; one line
 };
+
+// 16 digits that depend on the bytes of a structure, packed as they may be; nothing where they
+// cannot be read.
+std::optional<std::string> content_of(const NamedStructure& structure);
 
 // Reads a structure of a source.
 Molecule read_named_structure(const NamedStructure& structure, const ReadOptions& options);

@@ -2,9 +2,11 @@
 threads, the shards, and whatever ended the call before."""
 
 import csv
+import fcntl
 import gzip
 import io
 import json
+import os
 import pathlib
 import signal
 import subprocess
@@ -349,6 +351,72 @@ class Continuing(BatchTest):
                 self.assertEqual(result.returncode, BAD_INPUT)
                 self.assertRegex(result.stderr, r"\Avdwmesh: -o [^\n]*row \d+ is not of [^\n]+\n\Z")
                 self.assertEqual((self.folder / "rows.jsonl").read_bytes(), whole)
+    def assert_not_continued(self, says, *arguments, name="rows.jsonl"):
+        before = (self.folder / name).read_bytes()
+        self.assert_refused(BAD_INPUT, "batch", self.inputs, *arguments, "-o", self.folder / name, says=(says,))
+        self.assertEqual((self.folder / name).read_bytes(), before)
+
+    def test_a_structure_of_the_same_size_and_time_with_other_bytes_is_another_one(self):
+        changed = self.inputs / "b" / "row07.xyzr"
+        before = changed.stat()
+        for name in ("rows.jsonl", "rows.csv"):
+            self.file_of(self.inputs, name=name)
+        changed.write_text(changed.read_text().replace("1.7", "1.8"))
+        os.utime(changed, ns=(before.st_atime_ns, before.st_mtime_ns))
+        for name in ("rows.jsonl", "rows.csv"):
+            self.assert_not_continued("row07.xyzr is another one", name=name)
+
+    def test_a_member_of_an_archive_with_other_bytes_is_another_one(self):
+        path = self.folder / "in.tar"
+        for radius in ("1.7", "1.8"):
+            with tarfile.open(path, "w") as archive:
+                member = tarfile.TarInfo("one.xyzr")
+                text = f"0 0 0 {radius}\n".encode()
+                member.size = len(text)
+                archive.addfile(member, io.BytesIO(text))
+            if radius == "1.7":
+                self.file_of(path)
+        self.assert_refused(BAD_INPUT, "batch", path, "-o", self.folder / "rows.jsonl", says=("is another one",))
+
+    def test_a_radius_file_with_other_lines_is_another_setting(self):
+        radii = self.file("radii.txt", "C 1.7\nN 1.6\nO 1.5\nS 1.8\nH 1.2\n")
+        self.file_of(self.inputs, "--radii", radii)
+        radii.write_text(radii.read_text().replace("1.7", "1.9"))
+        self.assert_not_continued("row 1 is not of", "--radii", radii)
+
+    def test_one_line_without_a_break_that_is_no_torn_row_is_refused(self):
+        for name in ("notes.jsonl", "notes.csv"):
+            for text in ("remember the milk", '{"name":"somebody else"', "name;settings"):
+                with self.subTest(name=name, text=text):
+                    self.file(name, text)
+                    self.assert_not_continued("-o", name=name)
+
+    def test_a_refused_call_leaves_no_file(self):
+        empty = self.folder / "empty"
+        empty.mkdir()
+        path = self.folder / "rows.csv"
+        self.assert_refused(BAD_INPUT, "batch", empty, "-o", path, says=("holds no structures",))
+        self.assertFalse(path.exists())
+
+    def test_a_second_call_with_one_file_is_refused(self):
+        path = self.folder / "rows.jsonl"
+        with open(path, "wb") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            self.assert_not_continued("another call")
+        self.file_of(self.inputs)
+
+    def test_upper_case_extensions_are_those_of_tables_too(self):
+        self.assertTrue(self.file_of(self.inputs, name="ROWS.CSV").startswith(b"name,"))
+
+    def test_a_file_at_its_limit_of_size_is_one_line(self):
+        result = subprocess.run(["/bin/sh", "-c", 'ulimit -f 4; exec "$@"', "sh", program.PROGRAM, "batch",
+                                 *[self.inputs] * 9, "-o", self.folder / "rows.jsonl"],
+                                capture_output=True, text=True, check=False)  # fmt: skip
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        self.assertRegex(result.stderr, r"\Avdwmesh: [^\n]*cannot be written: File too large\n\Z")
+
+    def test_resume_off_begins_anew(self):
+        whole = self.file_of(self.inputs)
         again = self.file_of(self.inputs, "--probe", "1", "--resume", "off")
         self.assertNotEqual(again, whole)
         self.assertEqual(again.count(b"\n"), whole.count(b"\n"))

@@ -334,5 +334,44 @@ TEST(FrameMeasures, ABatchHasTheDigitsOfItsMeasurer) {
   }
 }
 
+// Notes the largest batch that it was given.
+class NotingMeasurer : public UnionMeasurer {
+ public:
+  void measure_into(BatchMeasures& result, const SphereBatch& batch,
+                    Monitor* monitor) const override {
+    largest = std::max(largest, batch.size);
+    measurer_->measure_into(result, batch, monitor);
+  }
+  mutable std::size_t largest = 0;
+
+ private:
+  std::unique_ptr<UnionMeasurer> measurer_ = make_cpu_union_measurer();
+};
+
+TEST(FrameMeasures, BatchesAreNoLargerThanAsked) {
+  auto frames = jittered<float>(7, 20, 4);
+  const std::vector<double> radii = radii_of(20, 1.4);
+  std::vector<ExactUnion> whole;
+  measure_frames(whole, radii, frames.view(), {.per_sphere = PerSphere::keep});
+  for (const std::size_t most : {1u, 3u * 20, 7u * 20}) {
+    const NotingMeasurer measurer;
+    std::vector<ExactUnion> found;
+    measure_frames(found, radii, frames.view(),
+                   {.per_sphere = PerSphere::keep, .measurer = &measurer, .balls_at_once = most});
+    EXPECT_EQ(measurer.largest, std::max<std::size_t>(most, 20));
+    ASSERT_EQ(found.size(), 7u);
+    for (std::size_t t = 0; t < 7; ++t) {
+      EXPECT_TRUE(same_bits(found[t].per_sphere, whole[t].per_sphere)) << t;
+    }
+    frames.at(5, 3, 1) = std::numeric_limits<float>::infinity();
+    EXPECT_THROW(
+        measure_frames(found, radii, frames.view(), {.measurer = &measurer, .balls_at_once = most}),
+        InvalidFrame);
+    EXPECT_EQ(found.size(), 5u);
+    frames.at(5, 3, 1) = 0;
+    measure_frames(whole, radii, frames.view(), {.per_sphere = PerSphere::keep});
+  }
+}
+
 }  // namespace
 }  // namespace vdwmesh::testing

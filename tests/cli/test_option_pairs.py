@@ -1,0 +1,164 @@
+"""Options never vanish: each changes what its verb makes, is refused, or is named in a note.
+
+option_pairs.csv says for each verb and option what becomes of it, and a command that shows it: `words` are given
+`beside` others to the verb on a small structure. "changes": the files and figures are others than without `words`;
+"refused": the program says why; "note": a line on standard error or in the report names the option.
+"""
+
+import csv
+import json
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+import program
+from program import NO_BACKEND, PROGRAM, SOURCE_DIR, ProgramTest, missing, run
+
+TABLE = pathlib.Path(__file__).with_name("option_pairs.csv")
+VERBS = ("mesh", "report", "exact", "compare", "render", "study", "batch", "bench-thesis", "bench-pipeline", "info")
+BASE = {
+    "mesh": "in.pdb -o out.ply",
+    "report": "in.pdb --json figures.json",
+    "exact": "in.pdb --json figures.json",
+    "compare": "sphere.off in.pdb --json figures.json",
+    "render": "in.pdb -o out.png --size 240x180",
+    "study": "in.pdb -o out --spacing 1 --field vdw --edge-length 1 --subdivide 0",
+    "batch": "in.pdb",
+    "bench-thesis": "--structures nothing --json figures.json",
+    "bench-pipeline": "in.pdb --spacing 1 --repeat 1 --json figures.json",
+    "info": "",
+}
+# Of a report: the figures, without what echoes the command line and what a clock or a machine says.
+FIGURES = ("mesh", "exact", "excluded", "comparison", "picture", "rows", "structures", "inputs")
+OF_THE_MACHINE = re.compile(r"seconds|time|path|bytes|memory|device|rss|wall|cpu|parameters")
+
+MODEL = """\
+ATOM      1  N   GLY A   1      {0:6.3f}   0.000   0.000  1.00  0.00           N
+ATOM      2  CA  GLY A   1       1.450   0.000   0.000  1.00  0.00           C
+ATOM      3  HA  GLY A   1       1.800   1.000   0.200  1.00  0.00           H
+ATOM      4  C   GLY A   1       2.000   0.000   1.420  1.00  0.00           C
+ATOM      5  O  AGLY A   1       1.300   0.300   2.390  0.60  0.00           O
+ATOM      6  O  BGLY A   1       3.100   0.900   1.700  0.40  0.00           O
+ATOM      7  S   CYS B   2       4.500  -0.800   3.000  1.00  0.00           S
+HETATM    8  C1  LIG B   3      -2.800   1.700   1.000  1.00  0.00           C
+HETATM    9  O   HOH B   4      -4.600  -2.000   2.000  1.00  0.00           O
+"""
+STRUCTURE = """\
+REMARK 350 BIOMOLECULE: 1
+REMARK 350 APPLY THE FOLLOWING TO CHAINS: A, B
+REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000
+REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000
+REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000
+REMARK 350   BIOMT1   2 -1.000000  0.000000  0.000000        2.00000
+REMARK 350   BIOMT2   2  0.000000 -1.000000  0.000000       -4.00000
+REMARK 350   BIOMT3   2  0.000000  0.000000  1.000000        0.00000
+""" + "".join(f"MODEL        {k}\n{MODEL.format(x)}ENDMDL\n" for k, x in ((1, 0.0), (2, -0.4))) + "END\n"  # fmt: skip
+OCTAHEDRON = "OFF\n6 8 0\n" + "".join(
+    f"{x} {y} {z}\n" for x, y, z in ((5, 0, 0), (-5, 0, 0), (0, 5, 0), (0, -5, 0), (0, 0, 5), (0, 0, -5))
+) + "".join(f"3 {a} {b} {c}\n" for a, b, c in ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4),
+                                                (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)))  # fmt: skip
+
+
+def rows():
+    with TABLE.open(newline="") as file:
+        for row in csv.DictReader(file):
+            for verb in row["verbs"].split():
+                yield verb, row["option"], row["beside"], row["words"], row["outcome"]
+
+
+def options_of(verb):
+    """The long names that --help lists."""
+    text = run(*verb.split("-"), "--help").stdout
+    return set(re.findall(r"^  (?:-\w, )?(--[a-z-]+)", text, re.M))
+
+
+def figures(value):
+    """A JSON document without what differs from call to call."""
+    if isinstance(value, dict):
+        return {k: figures(v) for k, v in value.items() if not OF_THE_MACHINE.search(k)}
+    return [figures(v) for v in value] if isinstance(value, list) else value
+
+
+def content_of(path):
+    if path.suffix != ".json":
+        return path.read_bytes()
+    document = json.loads(path.read_text())
+    return figures({k: document[k] for k in FIGURES if k in document})
+
+
+def arguments_of(verb, beside, words):
+    """The words of a command. What is said beside replaces what is always said, and `words` replace both."""
+    given = shlex.split(beside), shlex.split(words)
+    names = [{w.split("=")[0] for w in part if w.startswith("-")} for part in given]
+    out = []
+    for part, later in ((shlex.split(BASE[verb]), names[0] | names[1]), (given[0], names[1] - names[0]), (given[1], ())):
+        drop = False
+        for word in part:
+            drop = word in later if word.startswith("-") else drop and out is not None
+            if not drop:
+                out.append(word)
+    return [*verb.split("-"), *out]
+
+
+class Made:
+    """What one command made: exit status, notes, text, and the files of its folder."""
+
+    def __init__(self, verb, beside, words):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            self.fill(folder)
+            before = {p.name for p in folder.iterdir()} - {"notes.jsonl"}
+            result = subprocess.run([PROGRAM, *arguments_of(verb, beside, words)], capture_output=True, text=True,
+                                    cwd=folder, timeout=120, check=False,
+                                    env={**program.os.environ, "CUDA_VISIBLE_DEVICES": ""})  # fmt: skip
+            self.status, self.error = result.returncode, result.stderr
+            self.rows = result.stdout if verb == "batch" else ""
+            files = [p for p in sorted(folder.rglob("*")) if p.is_file() and p.relative_to(folder).parts[0] not in before]
+            self.files = {str(p.relative_to(folder)): content_of(p) for p in files}
+            self.notes = self.error + result.stdout
+
+    @staticmethod
+    def fill(folder):
+        (folder / "nothing").mkdir()
+        (folder / "in.pdb").write_text(STRUCTURE)
+        (folder / "sphere.off").write_text(OCTAHEDRON)
+        (folder / "notes.jsonl").write_text("no row\n")
+        (folder / "lengths.csv").write_text("edge_length\n" + "0.9\n" * 7)
+
+
+class OptionPairs(ProgramTest):
+    def test_every_pair_is_in_the_table(self):
+        listed = {(verb, option) for verb, option, *_ in rows()}
+        there = {(verb, option) for verb in VERBS for option in options_of(verb) - {"--help"}}
+        self.assertEqual(listed - there, set())
+        self.assertEqual(there - listed, set())
+
+    def test_none_vanishes(self):
+        all_rows = list(rows())
+        with ThreadPoolExecutor(4) as pool:
+            plain = {key: pool.submit(Made, *key, "") for key in {(verb, beside) for verb, _, beside, _, _ in all_rows}}
+            made = [pool.submit(Made, verb, beside, words) for verb, _, beside, words, _ in all_rows]
+        for (verb, option, beside, words, outcome), with_it in zip(all_rows, made, strict=True):
+            with self.subTest(f"{verb} {beside} {words}"):
+                self.check(option, outcome, plain[verb, beside].result(), with_it.result())
+
+    def check(self, option, outcome, plain, found):
+        if NO_BACKEND in (plain.status, found.status) and "EGL" in found.error + plain.error:
+            missing("VDWMESH_REQUIRE_EGL", "nothing can draw here")
+        if outcome == "refused":
+            self.assertNotEqual(found.status, 0, found.notes)
+            return
+        self.assertEqual(found.status, 0, found.error)
+        if outcome == "note":
+            self.assertIn(option, found.notes)
+            self.assertNotIn(option, plain.notes)
+        else:
+            self.assertNotEqual((plain.files, plain.rows), (found.files, found.rows), "without effect")
+
+
+if __name__ == "__main__":
+    program.unittest.main()
