@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "core/letters.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/text_source.hpp"

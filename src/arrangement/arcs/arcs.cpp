@@ -67,16 +67,11 @@ void join_neighbors(const ArcRun& run, ListPlace place, const arcs::BallCaps& ca
 // Returns the measures of the sphere at a list place, in Å² and Å³, with the doubts about
 // them.
 arcs::BallMeasures measure_sphere(const ArcRun& run, ListPlace place, ThreadSpace& work) {
-  const bool is_buried = !work.caps.find(run.list, place, arcs::kMostNear);
+  const bool is_buried = !work.caps.find(run.list, place);
   if (run.connected != nullptr) join_neighbors(run, place, work.caps, is_buried);
   if (is_buried) {
     ++work.sums.hidden;
     return {};
-  }
-  if (work.caps.is_crowded()) {
-    const arcs::BallMeasures none{.doubts = arcs::kCrowded};
-    add(work.sums, none);
-    return none;
   }
   arcs::BallMeasures m = work.ball.measure(work.caps.caps());
   if (work.caps.is_nearly_tangent()) m.doubts |= arcs::kNearlyTangent;

@@ -23,7 +23,6 @@ enum Doubt : std::uint32_t {
   kNotFinite = 128,     // a cap or a measure is NaN or out of its range
   kNearlyTangent = 256,  // two spheres nearly touch, from outside or from inside
   kAlongEdge = 512,      // a plane nearly contains an edge of the cell
-  kCrowded = 1024,       // more than kMostNear balls: to cut the cell by all of them takes too long
 };
 
 // These doubts concern only the numbers of circles, corners and components. Area and volume are not
@@ -31,8 +30,10 @@ enum Doubt : std::uint32_t {
 // point.
 inline constexpr std::uint32_t kOnlyCountsInDoubt = kNearlyTangent | kAlongEdge;
 
-// A ball near which there are more is left to the triangulation, whose time does not grow with
-// their number. Balls of molecules have some dozen, with a probe of 1.4 Å some hundred at most.
+// The crease-exact mesher leaves a ball near which there are more to the triangulation, whose time
+// does not grow with their number. Balls of molecules have some dozen, with a probe of 1.4 Å some
+// hundred at most. Measures by arcs cut every ball by all: a device does so too, and both must have
+// the same bits.
 inline constexpr std::size_t kMostNear = 512;
 
 // A vertex beyond a plane by at most this counts as lying on it: 45 machine epsilons.
