@@ -89,6 +89,25 @@ void list_subchains(gemmi::Structure& structure) {
           entity->subchains.push_back(residue.subchain);
 }
 
+// Gives the residues of each subchain the type of its entity; where the file names none, water, a
+// polymer if there are several residues, else a ligand.
+void fill_entity_types(gemmi::Structure& structure) {
+  for (gemmi::Model& model : structure.models) {
+    for (gemmi::Chain& chain : model.chains) {
+      for (gemmi::ResidueSpan& part : chain.subchains()) {
+        const gemmi::Entity* const entity = structure.get_entity_of(part);
+        gemmi::EntityType type = entity ? entity->entity_type : gemmi::EntityType::Unknown;
+        if (type == gemmi::EntityType::Unknown) {
+          type = part[0].is_water()  ? gemmi::EntityType::Water
+                 : part.length() > 1 ? gemmi::EntityType::Polymer
+                                     : gemmi::EntityType::NonPolymer;
+        }
+        for (gemmi::Residue& residue : part) residue.entity_type = type;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<AtomSiteColumn> atom_site_column(std::string_view name) {
@@ -131,7 +150,9 @@ void AtomSiteBuilder::reserve(std::size_t rows) {
 }
 
 void AtomSiteBuilder::open_model(const AtomSiteRow& row) {
-  model_ = &gemmi::impl::find_or_add(models_, std::string(row.model));
+  const auto found = std::find_if(models_.begin(), models_.end(),
+                                  [&row](const gemmi::Model& m) { return m.name == row.model; });
+  model_ = found != models_.end() ? &*found : &models_.emplace_back(std::string(row.model));
   chain_ = nullptr;
 }
 
@@ -294,7 +315,7 @@ void AtomSiteBuilder::finish(gemmi::cif::Block& rest) {
   structure = gemmi::make_structure_from_block(rest);
   structure.models = std::move(models_);
   if (!rest.has_tag("_struct_asym.id")) list_subchains(structure);
-  gemmi::impl::fill_residue_entity_type(structure);
+  fill_entity_types(structure);
 }
 
 // gemmi knows no element for a symbol with a charge ("O2-"), and none for tritium.

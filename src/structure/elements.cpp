@@ -28,7 +28,10 @@ constexpr std::string_view kOrganic = "CNOHPS";  // elements of one letter in st
 
 std::string capitals(std::string_view text) { return upper_case(trimmed(text)); }
 
-El single_letter(char c) { return gemmi::impl::find_single_letter_element(upper_case(c)); }
+El single_letter(char c) {
+  const char symbol[] = {c, '\0'};
+  return gemmi::find_element(symbol);
+}
 
 // The element with this symbol of two letters, or of one letter if the other character is a blank.
 // X for elements past lawrencium, which no structure contains: "NH1A" is nitrogen, never nihonium.

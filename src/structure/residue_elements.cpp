@@ -71,8 +71,8 @@ std::string_view base_name(std::string_view name) {
 // elements: no file holds ions of these elements, and their symbols occur as names of other things.
 El element_named(std::string_view symbol) {
   if (symbol.empty() || symbol.size() > 2) return El::X;
-  const El found = symbol.size() == 1 ? gemmi::impl::find_single_letter_element(symbol[0])
-                                      : gemmi::find_element(std::string(symbol).c_str());
+  if (symbol.size() == 1 && is_small_letter(symbol[0])) return El::X;
+  const El found = gemmi::find_element(std::string(symbol).c_str());
   return found > El::Es ? El::X : found;
 }
 
