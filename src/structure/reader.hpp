@@ -25,8 +25,9 @@ inline constexpr std::uint64_t kReadingFactor = 12;
 enum class Inclusion { keep, drop };
 
 // Which atoms are taken from the file, and which radii they get. The options drop atoms in this
-// order: model, waters, virtual sites, hydrogens, HETATM records, alternate locations, selection, radii of zero,
-// chains that are not in the assembly. An atom is counted for the first reason that drops it.
+// order: model, waters, virtual sites, hydrogens, HETATM records, alternate locations, selection,
+// radii of zero, chains that are not in the assembly. An atom is counted for the first reason that
+// drops it.
 struct ReadOptions {
   StructureFormat format = StructureFormat::by_extension;
   std::string model = "first";          // "first", "all", or a model number

@@ -1,4 +1,5 @@
-// Decides elements by looking at whole residues, after all atoms have been read.
+// Decides elements by looking at whole residues, after all atoms have been read. elements.hpp says
+// in which cases.
 #include <fmt/format.h>
 
 #include <algorithm>
