@@ -112,7 +112,7 @@ void print_place(std::string& csv, const Row& row, double probe) {
 
 // The segment behind a comma; empty where a chain has several.
 std::string segment_field(const Row& row) {
-  return "," + (row.one_segment ? csv_field(row.first->segment) : std::string());
+  return fmt::format(",{}", row.one_segment ? csv_field(row.first->segment) : std::string());
 }
 
 void print(std::string& csv, const Row& row, const PerAtomTable& table) {

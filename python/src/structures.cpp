@@ -78,18 +78,17 @@ py::dict columns_of(const Molecule& molecule) {
         a.radius;
   }
   using namespace py::literals;
-  return py::dict("coords"_a = coordinates(molecule), "radii"_a = radii(molecule),
-                  "elements"_a = column(molecule, &Atom::element),
-                  "names"_a = column(molecule, &Atom::name),
-                  "resnames"_a = column(molecule, &Atom::residue_name),
-                  "resids"_a = column(molecule, &Atom::residue_number),
-                  "chains"_a = column(molecule, &Atom::chain), "left_out"_a = molecule.skipped,
-                  "assumed_radii"_a = assumed, "notes"_a = messages_of(molecule.notes),
-                  "warnings"_a = messages_of(molecule.warnings), "path"_a = text_of(molecule.path),
-                  "format"_a = molecule.format, "model"_a = text_of(molecule.model),
-                  "assembly"_a = text_of(molecule.assembly,
-                  "segments"_a = column(molecule, &Atom::segment),
-                  "residues"_a = residues(molecule));
+  return py::dict(
+      "coords"_a = coordinates(molecule), "radii"_a = radii(molecule),
+      "elements"_a = column(molecule, &Atom::element), "names"_a = column(molecule, &Atom::name),
+      "resnames"_a = column(molecule, &Atom::residue_name),
+      "resids"_a = column(molecule, &Atom::residue_number),
+      "chains"_a = column(molecule, &Atom::chain), "left_out"_a = molecule.skipped,
+      "assumed_radii"_a = assumed, "notes"_a = messages_of(molecule.notes),
+      "warnings"_a = messages_of(molecule.warnings), "path"_a = text_of(molecule.path),
+      "format"_a = molecule.format, "model"_a = text_of(molecule.model),
+      "assembly"_a = text_of(molecule.assembly), "segments"_a = column(molecule, &Atom::segment),
+      "residues"_a = residues(molecule));
 }
 
 // Reads by read(options), which stops at Ctrl-C.
