@@ -224,8 +224,9 @@ std::vector<std::size_t> highest_locations(const std::vector<ForeignAtom>& atoms
   }
   const std::vector<ResiduePlace> places = numbered_residues(*file.structure);
   Sites sites = all_sites(file, places);
-  SkippedAtoms skipped;
-  choose_alternate_locations(sites, "highest", "coords", skipped);
+  Molecule account;
+  account.path = "coords";
+  choose_alternate_locations(sites, "highest", account);
   std::vector<std::size_t> kept;
   for (const Site& site : sites)
     kept.push_back(static_cast<std::size_t>(site.atom - file.atoms.data()));
