@@ -256,10 +256,11 @@ void run_batch_verb(const Options& options) {
     print_warnings({fmt::format("{} of the files had no extension of a structure and {} left out",
                                 source.left_out(), source.left_out() == 1 ? "was" : "were")});
   const std::uint64_t rows = kept.rows + made;
-  refuse_if(rows == 0 && choice.shard.count == 1,
-            "{}: holds no structures; their names end in .pdb .ent .cif .mmcif .bcif .pqr or "
-            ".xyzr, also with .gz, or --format says what all of them are",
-            inputs.size() == 1 ? inputs.front().string() : "INPUT");
+  refuse_if(
+      rows == 0 && choice.shard.count == 1,
+      "{}: holds no structures; their names end in .pdb .ent .pdbqt .cif .mmcif .bcif .pqr or "
+      ".xyzr, also with .gz, or --format says what all of them are",
+      inputs.size() == 1 ? inputs.front().string() : "INPUT");
   file.write("");
   if (refused > 0)
     throw FileFormatError(

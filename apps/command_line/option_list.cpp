@@ -26,9 +26,10 @@ constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kS
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare;
 
 constexpr const char* kFormats =
-    ".pdb .ent .cif .mmcif .bcif .pqr .xyzr, each also .gz; - is standard input";
+    ".pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz; - is standard input";
 constexpr const char* kNameInput =
-    "name a structure file (.pdb .ent .cif .mmcif .bcif .pqr .xyzr, each also .gz), - for standard "
+    "name a structure file (.pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz), - for "
+    "standard "
     "input, or --sample ubiquitin";
 
 // The places of all inputs, one by one.

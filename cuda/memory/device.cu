@@ -51,11 +51,16 @@ int current_device() {
   return device;
 }
 
+// Makes a device current whether it opens or not. An error is not left for check_launch().
+void make_current(int device) {
+  if (cudaSetDevice(device) != cudaSuccess) cudaGetLastError();
+}
+
 // Its destructor makes the device current again that was current when it was made.
 class RestoredDevice {
  public:
   RestoredDevice() : before_(current_device()) {}
-  ~RestoredDevice() { cudaSetDevice(before_); }
+  ~RestoredDevice() { make_current(before_); }
   RestoredDevice(const RestoredDevice&) = delete;
   RestoredDevice& operator=(const RestoredDevice&) = delete;
 
@@ -78,7 +83,11 @@ bool has_code(int device, int capability) {
   }
   const RestoredDevice restored;
   cudaFuncAttributes attributes{};
-  check_cuda(cudaSetDevice(device), "device");
+  // A device that does not open is said to do so when it is used.
+  if (cudaSetDevice(device) != cudaSuccess) {
+    cudaGetLastError();
+    return true;
+  }
   if (cudaFuncGetAttributes(&attributes, reinterpret_cast<const void*>(&any_kernel)) ==
       cudaSuccess) {
     return true;
@@ -239,7 +248,7 @@ DeviceScope::DeviceScope() : before_(current_device()) {
     if (obstacle.empty()) return;
     reason += (reason.empty() ? "no CUDA device (" : "; ") + obstacle;
   }
-  cudaSetDevice(before_);
+  make_current(before_);
   throw BackendUnavailable(reason.empty() ? find_cuda_devices().reason : reason + ")");
 }
 
@@ -249,18 +258,21 @@ DeviceScope::DeviceScope(int device) : before_(current_device()) {
     throw BackendUnavailable("CUDA device " + std::to_string(device) +
                              " cannot be used by this build");
   }
-  use_device(device);
+  const std::string obstacle = open_device(device);
+  if (obstacle.empty()) return;
+  make_current(before_);
+  throw BackendUnavailable(obstacle);
 }
 
 // Workers on other devices may have made these current.
-DeviceScope::~DeviceScope() { cudaSetDevice(before_); }
+DeviceScope::~DeviceScope() { make_current(before_); }
 
 QuietDeviceScope::QuietDeviceScope(int device) noexcept {
   cudaGetDevice(&before_);
-  cudaSetDevice(device);
+  make_current(device);
 }
 
-QuietDeviceScope::~QuietDeviceScope() { cudaSetDevice(before_); }
+QuietDeviceScope::~QuietDeviceScope() { make_current(before_); }
 
 unsigned multiprocessors() {
   int count = 0;

@@ -127,7 +127,8 @@ std::optional<double> radius(const RadiusTable& table, const std::string& residu
 gemmi::Element named_element(const std::string& residue, const std::string& atom) {
   const bool is_symbol = atom.size() == 2 && is_capital(atom[0]) && is_small_letter(atom[1]);
   const char* symbol = is_symbol ? element_of_symbol(atom) : "X";
-  return gemmi::Element(symbol[0] != 'X' ? symbol : element_of_bare_name(atom, residue));
+  const bool is_known = symbol != std::string_view("X");
+  return gemmi::Element(is_known ? symbol : element_of_bare_name(atom, residue));
 }
 
 // The most hydrogens that an atom of the element carries in a force field that gives their mass to

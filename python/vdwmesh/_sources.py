@@ -74,7 +74,7 @@ def arrays_of(
     if centers is None or centers.ndim != 3:
         centers = _one_frame(floats("coords", atoms.coords, "(N, 3)"))
     else:
-        centers = floats("coords", centers, "(T, N, 3)")
+        centers = floats("coords", atoms.coords, "(T, N, 3)")
     if centers.size == 0:
         raise InvalidInput(f"coords: is empty, of shape {centers.shape}")
     if atoms.unit != 1:

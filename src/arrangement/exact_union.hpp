@@ -133,8 +133,8 @@ struct ExactUnion {
   // (Gauss–Bonnet, pyramids), which checks the sums but not the complex. Method both uses the arcs,
   // which share no code with the complex. Method arcs has no check.
   std::optional<double> check_area, check_volume;
-  // Methods arcs and both: spheres whose result from the arcs failed a check, or that more than
-  // some hundred others overlap, so that the result from a triangulation stands in for it.
+  // Methods arcs and both: spheres whose result from the arcs failed a check, so that the
+  // result from a triangulation stands in for it.
   std::uint64_t fallback_spheres = 0;
   // Method arcs, if counts are wanted: spheres for which rounding might decide about the topology.
   // They include fallback_spheres.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <new>
 #include <numeric>
@@ -62,6 +63,10 @@ std::size_t workers_for(const BatchOptions& options) {
 
 std::optional<std::string> content_of(const NamedStructure& structure) {
   if (!structure.fault.empty()) return std::nullopt;
+  // What a pipe gives can be read once only.
+  std::error_code error;
+  if (!structure.bytes && !std::filesystem::is_regular_file(structure.name, error))
+    return std::nullopt;
   std::uint64_t hash = fnv1a(structure.bytes ? *structure.bytes : std::string());
   if (!structure.bytes) {
     std::ifstream file(structure.name, std::ios::binary);

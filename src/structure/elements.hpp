@@ -24,14 +24,12 @@ enum class NamePlace : std::uint8_t { columns, word };
 // Decides atom.element, which must hold the element of `symbol`, or X if that is none. `symbol` is
 // what the file has in its column of elements, or nothing. Where symbol and names contradict each
 // other, the names decide in these cases, and atom.symbol_overruled is set:
-// - In amino acids, nucleotides and water, an atom has the element by which its name begins. "CA"
-// is
-//   no calcium there. Selenium stands for sulphur, and a halogen or metal whose whole symbol begins
-//   the name stands too ("CL1" of a modified residue).
+// - In amino acids, nucleotides and water, an atom has the element by which its name begins: "CA"
+//   is no calcium there. Selenium stands for sulphur, and a halogen or metal whose whole symbol
+//   begins the name stands too ("CL1" of a modified residue).
 // - An atom and a residue that have the same ion's name are that ion ("SOD" of "SOD").
-// - A single letter is the rest of a symbol if the name says so: "C" of "CA" in "OEX" is calcium,
-// and
-//   "C" is chlorine where the name begins with "CL" in column 13, or with "Cl".
+// - A single letter is the rest of a symbol if the name says so: "C" of "CA" in "OEX" is calcium.
+//   "C" is chlorine if the name begins with "CL" in column 13, or with "Cl".
 // Without a symbol, or with one of no element, the names decide, and atom.element_guessed is set.
 // Virtual sites, lone pairs, dummies and alpha spheres are no atoms: atom.is_virtual is set, and
 // the element is X. `symbol` "X" is an atom whose element nobody knows; it stays X.

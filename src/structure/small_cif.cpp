@@ -41,11 +41,11 @@ cif::Block& block_with_atoms(cif::Document& document, const std::string& path) {
 // The element in the label of a small molecule's atom, which begins with the symbol. A second
 // letter in lower case belongs to the symbol: "Ca1" is calcium. In capitals, "CA1" may be calcium
 // or a carbon A1, so the rules for bare atom names decide. They also decide if the symbol is
-// unknown, "X". The test for "X" catches xenon, "Xe", too, which these rules find as well.
+// unknown, "X".
 const char* element_of_label(const std::string& label) {
   const bool two = label.size() > 1 && std::islower(static_cast<unsigned char>(label[1])) != 0;
   const char* element = two ? element_of_symbol(label.substr(0, 2)) : "X";
-  return element[0] != 'X' ? element : element_of_bare_name(label, "");
+  return std::string_view(element) != "X" ? element : element_of_bare_name(label, "");
 }
 
 // The atom of row `index`. Fractional coordinates become Cartesian ones (Å) by the unit cell. If

@@ -489,7 +489,7 @@ class Inputs(MeshTest):
             self.assert_same_exact(self.many_lines(name, **text), ranks=(2,))
         path = self.many_lines("all.xyzr", line="")
         self.assert_same_exact(path, ranks=(1, 2, 3, 5, 7))
-        self.assert_same_exact(path, "--model", "all", "--waters", "--probe", "0.3", ranks=(3,))
+        self.assert_same_exact(path, "--model", "all", "--probe", "0.3", ranks=(3,))
         self.assert_same_files((path, ("--spacing", "1.3"), (1, 2, 3, 5, 7)),
                                (self.file("four.xyzr", FAR_APART), ("--probe", "0.4"), (5,)))  # fmt: skip
 

@@ -1,5 +1,5 @@
-// Stands before the runtime's cudaMallocAsync(). The toolkit's headers are not needed: an error is
-// an int and a stream a pointer.
+// Stands before the runtime's cudaMallocFromPoolAsync(). The toolkit's headers are not needed: an
+// error is an int and a stream a pointer.
 #include "cuda/refused_memory.hpp"
 
 #include <dlfcn.h>
@@ -18,11 +18,12 @@ constexpr int kMemoryAllocation = 2;  // cudaErrorMemoryAllocation
 RefusedMemory::RefusedMemory() { ++refusals; }
 RefusedMemory::~RefusedMemory() { --refusals; }
 
-extern "C" int cudaMallocAsync(void** memory, std::size_t bytes, void* stream) {
+extern "C" int cudaMallocFromPoolAsync(void** memory, std::size_t bytes, void* pool, void* stream) {
   if (refusals > 0) return kMemoryAllocation;
-  using Allocate = int (*)(void**, std::size_t, void*);
-  static const auto allocate = reinterpret_cast<Allocate>(dlsym(RTLD_NEXT, "cudaMallocAsync"));
-  return allocate(memory, bytes, stream);
+  using Allocate = int (*)(void**, std::size_t, void*, void*);
+  static const auto allocate =
+      reinterpret_cast<Allocate>(dlsym(RTLD_NEXT, "cudaMallocFromPoolAsync"));
+  return allocate(memory, bytes, pool, stream);
 }
 
 }  // namespace vdwmesh::testing

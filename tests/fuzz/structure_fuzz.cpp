@@ -25,6 +25,10 @@ ReadOptions little() {
 
 void read(const MemoryFile& file, ReadOptions options) {
   options.format = StructureFormat::VDWMESH_FUZZ_FORMAT;
+  // Formats with radii of their own refuse others, and one without names cannot tell waters.
+  const bool nameless = options.format == StructureFormat::xyzr;
+  if (nameless || options.format == StructureFormat::pqr) options.radii.clear();
+  if (nameless) options.waters = Inclusion::drop, options.hydrogens = Inclusion::keep;
   allow_refusal([&] { check_molecule(read_structure(file.path(), options)); });
 }
 

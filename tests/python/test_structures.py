@@ -51,7 +51,7 @@ class ReadTest(unittest.TestCase):
         for name in ("select", "radii"):
             with self.assertRaisesRegex(ValueError, f"{name}: is empty"):
                 vdwmesh.read(UBIQUITIN, **{name: ""})
-        with self.assertRaisesRegex(ValueError, "leave out --radii"):
+        with self.assertRaisesRegex(ValueError, "leave out radii='bondi'"):
             vdwmesh.read(b"0 0 0 1\n", format="xyzr", radii="bondi")
 
     def test_a_radius_file_adds_to_a_set(self):

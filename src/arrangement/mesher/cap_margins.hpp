@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_memory.hpp"
@@ -84,14 +85,18 @@ class CapMargins {
     }
   }
 
-  // Whether one cap with its margin covers all points that are up to the angle `radius` (rad) from
-  // a point. Not all that are covered are found: rounding has 1e-7 rad of room.
-  bool covers(const Vec3d& center, double radius) const {
+  // Whether one of the caps `some`, with its margin, covers all points that are up to the angle
+  // `radius` (rad) from a point. If none is found, `near` gets those of them that may meet the
+  // points. Rounding has 1e-7 rad of room.
+  bool covers(const Vec3d& center, double radius, std::span<const std::uint32_t> some,
+              std::vector<std::uint32_t>& near) const {
     constexpr double kRoom = 1e-7;
-    for (std::size_t i = 0; i < bounds_.size(); ++i) {
+    for (const std::uint32_t i : some) {
+      if (bounds_[i] < -1) return true;
       const double apart = 2 * std::asin(std::min(1.0, norm(center - caps_[i].axis) / 2));
-      if (bounds_[i] < -1 || apart + radius + kRoom < std::acos(std::min(bounds_[i], 1.0)))
-        return true;
+      const double reach = std::acos(std::min(bounds_[i], 1.0));
+      if (apart + radius + kRoom < reach) return true;
+      if (!(apart - radius - kRoom > reach)) near.push_back(i);
     }
     return false;
   }

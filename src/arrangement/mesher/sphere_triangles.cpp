@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -165,28 +166,33 @@ class ClearPlaces {
       : points_(points), margins_(margins) {}
 
   std::vector<Place> of_face(std::uint32_t n) {
-    find({1, 0}, {n, n});
+    std::vector<std::uint32_t> all(margins_.bounds().size());
+    std::iota(all.begin(), all.end(), 0u);
+    find({1, 0}, {n, n}, all);
     std::sort(places_.begin(), places_.end());
     return std::move(places_);
   }
 
  private:
-  // All places from `low` to `high`, both with them. Rows have j <= i.
-  void find(Place low, Place high) {
+  // All places from `low` to `high`, both with them. Rows have j <= i. Only the caps `some` may
+  // meet the block, so a cap is looked at in the blocks near its circle alone.
+  void find(Place low, Place high, std::span<const std::uint32_t> some) {
     low.first = std::max(low.first, low.second);
     high.second = std::min(high.second, high.first);
-    if (low.first > high.first || low.second > high.second || is_covered(low, high)) return;
+    if (low.first > high.first || low.second > high.second) return;
+    std::vector<std::uint32_t> near;
+    if (is_covered(low, high, some, near)) return;
     constexpr std::uint32_t kSmall = 4;
     const std::uint32_t rows = high.first - low.first, width = high.second - low.second;
-    if (std::max(rows, width) < kSmall) return add(low, high);
+    if (near.empty() || std::max(rows, width) < kSmall) return add(low, high);
     if (rows > width) {
       const std::uint32_t middle = low.first + rows / 2;
-      find(low, {middle, high.second});
-      find({middle + 1, low.second}, high);
+      find(low, {middle, high.second}, near);
+      find({middle + 1, low.second}, high, near);
     } else {
       const std::uint32_t middle = low.second + width / 2;
-      find(low, {high.first, middle});
-      find({low.first, middle + 1}, high);
+      find(low, {high.first, middle}, near);
+      find({low.first, middle + 1}, high, near);
     }
   }
 
@@ -199,7 +205,8 @@ class ClearPlaces {
   }
 
   // On the sphere a block lies in every cap, less than half of the sphere, that has its corners.
-  bool is_covered(const Place& low, const Place& high) const {
+  bool is_covered(const Place& low, const Place& high, std::span<const std::uint32_t> some,
+                  std::vector<std::uint32_t>& near) const {
     const std::array<Vec3d, 5> corners{
         points_.at(low.first, low.second), points_.at(low.first, std::min(high.second, low.first)),
         points_.at(std::max(low.first, high.second), high.second),
@@ -209,7 +216,7 @@ class ClearPlaces {
     const Vec3d center = (1 / norm(sum)) * sum;
     double farthest = 0;
     for (const Vec3d& c : corners) farthest = std::max(farthest, norm(c - center));
-    return margins_.covers(center, 2 * std::asin(farthest / 2));
+    return margins_.covers(center, 2 * std::asin(farthest / 2), some, near);
   }
 
   const FacePoints& points_;

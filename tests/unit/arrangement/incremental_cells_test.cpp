@@ -14,6 +14,7 @@
 #include "arrangement/complex/placed_balls.hpp"
 #include "support/dice.hpp"
 #include "support/family_sets.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -43,14 +44,15 @@ bool compare(const std::vector<Sphere>& spheres, const TakesCell& takes) {
   std::iota(indices.begin(), indices.end(), 0u);
   constexpr std::uint8_t kUntouched = 7;
   std::vector<std::uint8_t> has_vertex(balls.size(), kUntouched);
-  const auto found = incremental_cells(balls, auxiliary, indices, takes, has_vertex, nullptr);
+  const auto found =
+      incremental_cells(balls, auxiliary, indices, takes, has_vertex, kNoMemoryLimit, nullptr);
   if (!found) {
     EXPECT_EQ(std::ranges::count(has_vertex, kUntouched), std::ssize(has_vertex));
     return false;
   }
   std::vector<std::uint8_t> expected_vertex(balls.size(), kUntouched);
   const RegularCells expected =
-      regular_cells(balls, auxiliary, indices, takes, expected_vertex, nullptr);
+      regular_cells(balls, auxiliary, indices, takes, expected_vertex, kNoMemoryLimit, nullptr);
   EXPECT_TRUE(map_of(*found) == map_of(expected)) << balls.size() << " balls";
   EXPECT_EQ(has_vertex, expected_vertex);
   return true;

@@ -131,14 +131,15 @@ TEST(SpherePoints, NearAPatch) {
       }
       PatchVector<double> scratch;
       CapMargins<GrowingMemory> margins(caps, 0.5 * edge_length, scratch);
+      const CapTree<GrowingMemory> tree(caps);
       SpherePoints all, some;
       std::vector<Vec3d> clear, clear_of_some;
       for (const Vec3d& u : all.points(edge_length)) {
-        if (margins.is_clear(u)) clear.push_back(u);
+        if (margins.is_clear(u, tree)) clear.push_back(u);
       }
       const std::vector<Vec3d>& near = some.points(edge_length, margins);
       for (const Vec3d& u : near) {
-        if (margins.is_clear(u)) clear_of_some.push_back(u);
+        if (margins.is_clear(u, tree)) clear_of_some.push_back(u);
       }
       EXPECT_EQ(clear_of_some, clear);
       if (SpherePoints::parts(edge_length) > SpherePoints::kMostPartsOfWhole) {

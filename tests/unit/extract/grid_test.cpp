@@ -48,7 +48,8 @@ TEST(Grid, RefusesOptionsWithoutMeaning) {
 
 // Doubles are 2 apart at 1e16, and 2^-10 at 8e12: 512 places on an edge of 0.5.
 TEST(Grid, RefusesSpacingsThatDoublesDoNotResolve) {
-  const GridOptions options{.spacing = 0.5};
+  GridOptions options;
+  options.spacing = 0.5;
   for (const double far : {1e16, -1e16}) {
     EXPECT_THROW(make_grid(SphereSet({{{0, far, 0}, 2}}), options), LimitExceeded);
     GridOptions given;
