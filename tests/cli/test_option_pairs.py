@@ -10,13 +10,12 @@ import json
 import pathlib
 import re
 import shlex
-import shutil
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import program
-from program import NO_BACKEND, PROGRAM, SOURCE_DIR, ProgramTest, missing, run
+from program import NO_BACKEND, PROGRAM, ProgramTest, missing, run
 
 TABLE = pathlib.Path(__file__).with_name("option_pairs.csv")
 VERBS = ("mesh", "report", "exact", "compare", "render", "study", "batch", "bench-thesis", "bench-pipeline", "info")
@@ -33,8 +32,8 @@ BASE = {
     "info": "",
 }
 # Of a report: the figures, without what echoes the command line and what a clock or a machine says.
-FIGURES = ("mesh", "exact", "excluded", "comparison", "picture", "rows", "structures", "inputs")
-OF_THE_MACHINE = re.compile(r"seconds|time|path|bytes|memory|device|rss|wall|cpu|parameters")
+FIGURES = ("mesh", "exact", "excluded", "comparison", "picture", "rows", "structures", "inputs", "cases")
+OF_THE_MACHINE = re.compile(r"seconds|time|path|bytes|memory|device|rss|wall|cpu|parameters|floor|copy")
 
 MODEL = """\
 ATOM      1  N   GLY A   1      {0:6.3f}   0.000   0.000  1.00  0.00           N
