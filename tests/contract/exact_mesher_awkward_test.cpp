@@ -117,7 +117,9 @@ TEST_P(ExactMesherAwkward, LessMemoryIsNeverAnotherMesh) {
       for (std::uint64_t limit = std::uint64_t{1} << 15; limit < std::uint64_t{1} << 26;
            limit *= 2) {
         const auto found = outcome(limit);
-        if (found) EXPECT_EQ(found, best) << by << " with " << limit << " bytes";
+        if (found) {
+          EXPECT_EQ(found, best) << by << " with " << limit << " bytes";
+        }
         found ? ++meshes : ++refused;
       }
     }

@@ -213,7 +213,9 @@ TEST(ExposedSurface, KeepsFewOfManyCovers) {
       for (const Sphere& s : balls) {
         if (!(s.center == patch.ball.center)) least = std::min(least, norm(point - s.center) - 50);
       }
-      if (std::abs(least) > 1e-6) EXPECT_EQ(is_exposed(patch, direction), least > 0);
+      if (std::abs(least) > 1e-6) {
+        EXPECT_EQ(is_exposed(patch, direction), least > 0);
+      }
     }
   }
 }

@@ -167,7 +167,9 @@ TEST(Elements, TellsTheHostsPatchesOfEachSet) {
     EXPECT_LE(one.checks.extended_decisions, one.counts.low_probes);
   }
   EXPECT_GT(sum, 0u);
-  if (found.host_sets == 0) EXPECT_EQ(sum, found.host_patches);
+  if (found.host_sets == 0) {
+    EXPECT_EQ(sum, found.host_patches);
+  }
 }
 
 // A circle and a patch are decided from the balls of their own set, wherever it is in the batch.
