@@ -33,11 +33,11 @@ CAPS = {"ACE": "C O CH3 HH31 HH32 HH33", "NME": "N CH3 H HH31 HH32 HH33"}
 SUGAR = "P OP1 OP2 O5' C5' C4' O4' C3' O3' C2' C1'"
 BASES = {"A": "N9 C8 N7 C5 C6 N6 N1 C2 N3 C4", "G": "N9 C8 N7 C5 C6 O6 N1 C2 N2 N3 C4", "C": "N1 C2 O2 N3 C4 N4 C5 C6",
          "U": "N1 C2 O2 N3 C4 O4 C5 C6"}  # fmt: skip
-NUCLEIC_HYDROGENS = "H5' H5'' H4' H3' H1'"
+NUCLEIC_HYDROGENS = "HO5' H5' H5'' H4' H3' H1' HO3'"
 
 # (residue, (name, element) of its atoms): names that begin like another element, which the columns tell apart.
 LIGANDS = [
-    ("HEM", "FE:Fe NA:N NB:N NC:N ND:N CHA:C CHB:C CMA:C CAA:C CBA:C CGA:C O1A:O O2A:O HHA:H HMA:H"),
+    ("HEM", "FE:Fe NA:N NB:N NC:N ND:N CHA:C CHB:C CMA:C CAA:C CBA:C CGA:C O1A:O O2A:O HHA:H HMA1:H HBA1:H"),
     ("MSE", "N:N CA:C C:C O:O CB:C CG:C SE:Se CE:C"),
     ("LIG", "C1:C C2:C N1:N O1:O CL1:Cl BR1:Br F1:F S1:S H1:H"),
     ("UNL", "C1:C CA:C CD:C CL:Cl BR:Br I1:I P1:P HO:H NB:N"),
@@ -49,6 +49,9 @@ LIGANDS = [
     ("SF4", "FE1:Fe FE2:Fe FE3:Fe FE4:Fe S1:S S2:S S3:S S4:S"),
     ("HEC", "FE:Fe NA:N NB:N NC:N ND:N CHA:C CAC:C"),
     ("CAC", "AS:As O1:O O2:O C1:C C2:C"), ("BO3", "B:B O1:O O2:O O3:O"), ("VO4", "V:V O1:O O2:O O3:O O4:O"),
+    ("FME", "N:N CN:C O1:O CA:C CB:C CG:C SD:S CE:C C:C O:O"), ("HYP", "N:N CA:C C:C O:O CB:C CG:C CD:C OD1:O"),
+    ("SEP", "N:N CA:C CB:C OG:O C:C O:O P:P O1P:O O2P:O O3P:O"), ("CSO", "N:N CA:C CB:C SG:S C:C O:O OD:O"),
+    ("CMO", "C:C O:O"), ("NO", "N:N O:O"), ("CYN", "C:C N:N"), ("OXY", "O1:O O2:O"),
     ("CLR", "C1:C C2:C O1:O C27:C"),
 ]  # fmt: skip
 IONS = [("ZN", "ZN", "Zn"), ("CA", "CA", "Ca"), ("MG", "MG", "Mg"), ("NA", "NA", "Na"), ("CL", "CL", "Cl"),
@@ -56,7 +59,8 @@ IONS = [("ZN", "ZN", "Zn"), ("CA", "CA", "Ca"), ("MG", "MG", "Mg"), ("NA", "NA",
         ("CD", "CD", "Cd"), ("HG", "HG", "Hg"), ("FE", "FE", "Fe"), ("BR", "BR", "Br"), ("IOD", "I", "I"),
         ("FE2", "FE", "Fe"), ("AG", "AG", "Ag"), ("AU", "AU", "Au"), ("PB", "PB", "Pb"), ("LI", "LI", "Li"),
         ("SR", "SR", "Sr"), ("BA", "BA", "Ba"), ("3CO", "CO", "Co"), ("CU1", "CU", "Cu")]  # fmt: skip
-CHARMM_IONS = [("SOD", "SOD", "Na"), ("CLA", "CLA", "Cl"), ("POT", "POT", "K"), ("CAL", "CAL", "Ca"), ("ZN2", "ZN", "Zn"),
+CHARMM_IONS = [("SOD", "SOD", "Na"), ("CLA", "CLA", "Cl"), ("POT", "POT", "K"), ("CAL", "CAL", "Ca"),
+               ("ZN2", "ZN", "Zn"),
                ("MG", "MG", "Mg")]  # fmt: skip
 AMBER_IONS = [("Na+", "Na+", "Na"), ("Cl-", "Cl-", "Cl"), ("K+", "K+", "K"), ("MG", "MG", "Mg"), ("ZN", "ZN", "Zn"),
               ("NA", "NA", "Na"), ("CL", "CL", "Cl")]  # fmt: skip

@@ -8,18 +8,19 @@ PDB2PQR documents it, the PDBx/mmCIF dictionary.
 
 import random
 
-from generated_residues import (AMBER_IONS, BASES, CAPS, CHARMM_IONS, GROMACS_IONS, HYDROGENS, IONS, LIGANDS, LIPIDS, MAIN,
-                                NUCLEIC_HYDROGENS, RADII, SIDE, SUGAR, WATER_NAMES, WATERS, Atom, Plan, atoms_of,
+from generated_residues import (AMBER_IONS, BASES, CAPS, CHARMM_IONS, GROMACS_IONS, HYDROGENS, IONS, LIGANDS, LIPIDS,
+                                MAIN, NUCLEIC_HYDROGENS, RADII, SIDE, SUGAR, WATER_NAMES, WATERS, Atom, Plan, atoms_of,
                                 atoms_of_pairs)  # fmt: skip
 from generated_writers import write_cif, write_pdb, write_pqr, write_xyzr
 
 DIALECTS = ["wwpdb"] * 4 + ["old"] * 3 + ["charmm"] * 2 + ["namd"] * 2 + ["amber"] * 2 + ["gromacs"] * 2 + \
-    ["pymol", "vmd", "vmd", "alphafold", "left", "pdbqt", "pdbqt", "pqr", "pqr", "pqr", "xyzr"] + ["cif"] * 6  # fmt: skip
+    ["pymol"] + ["vmd"] * 2 + ["alphafold", "left"] + ["pdbqt"] * 2 + ["pqr"] * 3 + ["xyzr"] + ["cif"] * 6  # fmt: skip
 SUFFIXES = {"pqr": ".pqr", "xyzr": ".xyzr", "cif": ".cif", "pdbqt": ".pdbqt"}
 AMBER_NAMES = {"HIS": ("HIE", "HID", "HIP"), "CYS": ("CYX", "CYM"), "ASP": ("ASH",), "GLU": ("GLH",), "LYS": ("LYN",)}
 CHARMM_BASES = {"A": "ADE", "G": "GUA", "C": "CYT", "U": "URA"}
 ALTLOC_DIALECTS = ("wwpdb", "old", "pymol", "cif")
-TWO_LETTERS = {"Ca", "Cd", "Cl", "Cm", "Co", "Br", "Fe", "Na", "Nb", "Nd", "Ho", "As", "Pa", "Pb", "Se"}  # of names in LIGANDS
+# Symbols that names in LIGANDS begin with.
+TWO_LETTERS = {"Ca", "Cd", "Cl", "Cm", "Co", "Br", "Fe", "Na", "Nb", "Nd", "Ho", "As", "Ce", "Cn", "Pa", "Pb", "Se"}
 CHAINS = "ABCDEFGHXYZ"
 
 
@@ -48,7 +49,8 @@ def make_plan(seed):
     if style["zero"]:
         for atom in plan.atoms:
             atom.occupancy = 0.0
-    if dialect == "cif" and not style["icodes"] and all(atom.resname in SIDE and atom.number > 0 for atom in plan.atoms):
+    numbered = all(atom.resname in SIDE and atom.number > 0 for atom in plan.atoms)
+    if dialect == "cif" and not style["icodes"] and numbered:
         style["label_only"] = rng.random() < 0.3
     if rng.random() < 0.02:
         style["broken"], style["seed"] = rng.choice(["stars", "words", "cut"]), 0.5
@@ -75,8 +77,9 @@ def choose_style(rng, dialect, style):
     style["models"] = rng.randint(2, 4) if dialect != "xyzr" and often(0.15) else 1
     if dialect == "alphafold":
         style["models"] = 1
-    style["contradictions"] = dialect in ("wwpdb", "pymol", "vmd", "cif", "namd") and style["symbols"] in ("right", "mixed") \
-        and often(0.1)  # fmt: skip
+    style["frames"] = dialect == "vmd" and often(0.5)  # VMD ends each frame by END, without MODEL
+    style["contradictions"] = dialect in ("wwpdb", "pymol", "vmd", "cif", "namd") and \
+        style["symbols"] in ("right", "mixed") and often(0.1)  # fmt: skip
     style["zero"] = not style["altlocs"] and often(0.1)
     style["bom"] = often(0.02)
     style["occupancy"] = style["altlocs"] or not often(0.15)
@@ -97,7 +100,7 @@ def chain_names(rng, dialect):
         return ["AA", "PROA"]
     if dialect == "alphafold":
         return ["A"]
-    return rng.sample(CHAINS + "abz19", rng.randint(1, 3))
+    return rng.sample(CHAINS + "abz019", rng.randint(1, 3))
 
 
 # Residues.
@@ -188,6 +191,9 @@ def water(rng, plan):
 def ligand(rng, plan):
     resname, pairs = rng.choice(LIGANDS)
     atoms = atoms_of_pairs(resname, pairs)
+    if plan.dialect in ("pymol", "vmd", "pdbqt") and not plan.style["altlocs"] and rng.random() < 0.5:
+        for atom in atoms:  # as Open Babel names them, all alike
+            atom.name, atom.resname = atom.element.upper(), rng.choice(["UNL"]) if plan.style["seed"] < 0.7 else ""
     symbols = plan.style["symbols"] in ("right", "left", "mixed", "lower") and plan.dialect not in ("pqr", "pdbqt")
     aligned = plan.style["names"] == "aligned" and plan.dialect not in ("pqr", "cif")
     if not symbols and not aligned:  # then a name of two letters can mean two elements
@@ -287,8 +293,8 @@ def alternates(rng, residue):
     occupancies = shares(rng, count)
     best = labels[occupancies.index(max(occupancies))]
     chosen = {id(atom) for atom in residue if rng.random() < 0.6} or {id(residue[0])}
-    lone = rng.choice([atom for atom in residue if id(atom) in chosen]) if rng.random() < 0.2 and len(chosen) > 1 else None
-    lone_label = rng.choice(labels)
+    lone, lone_label = rng.choice([atom for atom in residue if id(atom) in chosen]), rng.choice(labels)
+    lone = lone if rng.random() < 0.2 and len(chosen) > 1 else None  # an atom that one label alone has
     blocks, locations = rng.random() < 0.3, []
     for atom in residue:
         if id(atom) not in chosen:
@@ -356,7 +362,8 @@ def contradict(rng, plan):
                 atom.symbol = atom.name[:2].capitalize()
         return
     for atom in rng.sample(standard, min(len(standard), rng.randint(1, 3))):
-        atom.symbol = rng.choice([symbol for symbol in ("C", "N", "O", "S", "Zn", "Fe", "Na") if symbol != atom.element])
+        others = [symbol for symbol in ("C", "N", "O", "S", "Zn", "Fe", "Na") if symbol != atom.element]
+        atom.symbol = rng.choice(others)
 
 
 def add_models(rng, plan):

@@ -20,7 +20,8 @@ import vdwmesh
 
 FILES = int(os.environ.get("VDWMESH_GENERATED", "1500"))
 # Which words of a warning or note announce which difference.
-WORDS = {"elements": "element|symbol", "radii": "element|symbol|radi", "left_out": "left out|element"}
+WORDS = {"elements": "element|symbol", "radii": "element|symbol|radi", "left_out": "left out",
+         "resnames": "residue name|resname", "resids": "residue number|resid", "count": "location|left out"}  # fmt: skip
 
 
 def read(plan, folder):
@@ -41,7 +42,8 @@ def differences(plan, molecule):
     found = []
 
     def compare(kind, values, wanted):
-        found.extend((kind, value, want, atom.doubtful) for value, want, atom in zip(values, wanted, meant) if value != want)
+        found.extend((kind, value, want, atom.doubtful) for value, want, atom in zip(values, wanted, meant)
+                     if value != want)  # fmt: skip
 
     compare("coords", molecule.coords.tolist(), [[float(f"{x:.3f}") for x in atom.place] for atom in meant])
     compare("radii", molecule.radii.tolist(), [atom.radius for atom in meant])
@@ -53,7 +55,7 @@ def differences(plan, molecule):
         compare("chains", molecule.chains.tolist(), [atom.chain for atom in meant])
         compare("segments", molecule.segments.tolist(), [atom.segment for atom in meant])
     left, dropped = sum(molecule.left_out.values()), len(plan.atoms) - len(meant)
-    if left != dropped:
+    if left != dropped and not plan.style["frames"]:  # what stands behind END need not be counted
         found.append(("left_out", dict(molecule.left_out), dropped, False))
     return found
 
@@ -68,25 +70,51 @@ def silent(plan, molecule):
 
 
 def smallest(plan, kind, folder):
-    """The plan with as few atoms as still show a silent difference of the kind."""
-    def shows(atoms):
-        if not any(atom.stays for atom in atoms):
-            return False
-        molecule = read(generated.Plan(plan.dialect, atoms, plan.style, plan.seed), folder)
-        return not isinstance(molecule, vdwmesh.Error) and any(row[0] == kind for row in silent(
-            generated.Plan(plan.dialect, atoms, plan.style, plan.seed), molecule))  # fmt: skip
+    """The plan with as few atoms as still show a silent difference of the kind.
 
-    atoms, step = list(plan.atoms), max(1, len(plan.atoms) // 2)
+    Residues with alternate locations go as a whole, because what stays of them depends on all of their atoms.
+    """
+    def with_parts(parts):
+        atoms = [atom for part in parts for atom in part]
+        return generated.Plan(plan.dialect, sorted(atoms, key=order.get), plan.style, plan.seed)
+
+    def shows(parts):
+        fewer = with_parts(parts)
+        molecule = read(fewer, folder) if any(atom.stays for atom in fewer.atoms) else None
+        return isinstance(molecule, vdwmesh.Molecule) and any(row[0] == kind for row in silent(fewer, molecule))
+
+    order = Places(plan.atoms)
+    parts, step = together(plan.atoms), max(1, len(plan.atoms) // 2)
     while step:
         index = 0
-        while index < len(atoms):
-            fewer = atoms[:index] + atoms[index + step :]
-            if shows(fewer):
-                atoms = fewer
+        while index < len(parts):
+            fewer = parts[:index] + parts[index + step :]
+            if fewer and shows(fewer):
+                parts = fewer
             else:
                 index += step
         step //= 2
-    return generated.Plan(plan.dialect, atoms, plan.style, plan.seed)
+    return with_parts(parts)
+
+
+class Places(dict):
+    """Where each atom stands in a list."""
+
+    def __init__(self, atoms):
+        super().__init__((id(atom), index) for index, atom in enumerate(atoms))
+
+    def get(self, atom):
+        return self[id(atom)]
+
+
+def together(atoms):
+    """Atoms one by one, but all those of a residue and model that has alternate locations."""
+    split = {(atom.residue, atom.model) for atom in atoms if atom.alt}
+    parts = collections.defaultdict(list)
+    for index, atom in enumerate(atoms):
+        residue = atom.residue, atom.model
+        parts[residue if residue in split else index].append(atom)
+    return list(parts.values())
 
 
 def read_all(seeds):
