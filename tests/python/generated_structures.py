@@ -218,7 +218,7 @@ def add_residues(rng, plan):
 
 
 def first_number(rng, plan):
-    if plan.dialect in ("pqr", "cif", "amber", "charmm") and rng.random() < 0.05:
+    if plan.dialect in ("pqr", "cif", "amber", "charmm") and rng.random() < 0.08:
         return 12000
     if plan.dialect in ("wwpdb", "pymol") and rng.random() < 0.03:
         return 9999  # hybrid-36 follows

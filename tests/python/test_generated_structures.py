@@ -21,7 +21,8 @@ import vdwmesh
 FILES = int(os.environ.get("VDWMESH_GENERATED", "1500"))
 # Which words of a warning or note announce which difference.
 WORDS = {"elements": "element|symbol", "radii": "element|symbol|radi", "left_out": "left out",
-         "resnames": "residue name|resname", "resids": "residue number|resid", "count": "location|left out"}  # fmt: skip
+         "resnames": "residue name|resname", "resids": "residue number|resid",
+         "count": "location|left out"}  # fmt: skip
 
 
 def read(plan, folder):
@@ -157,6 +158,24 @@ class GeneratedTest(unittest.TestCase):
         self.assertFalse(told, "\n\n".join(told))
         count = sum(map(len, refused.values()))
         self.assertLess(count, FILES / 100, "\n".join(sorted(refused)))
+
+    def test_the_comparison_sees_every_attribute(self):
+        changes = {"element": "X", "name": "X", "resname": "X", "number": 31999, "chain": "?", "segment": "X",
+                   "radius": 9.0, "place": (1.5, 2.5, 3.5), "stays": False}  # fmt: skip
+        with tempfile.TemporaryDirectory() as folder:
+            for seed in range(40):
+                plan = generated.make_plan(seed)
+                molecule = read(plan, folder)
+                if plan.dialect == "xyzr" or isinstance(molecule, vdwmesh.Error):
+                    continue
+                for attribute, value in changes.items():
+                    atom = generated.intended(plan)[-1]
+                    before = len(differences(plan, molecule))
+                    meant, atom.__dict__[attribute] = getattr(atom, attribute), value
+                    with self.subTest(seed=seed, attribute=attribute):
+                        self.assertTrue(len(differences(plan, molecule)) > before or attribute == "stays" and
+                                        differences(plan, molecule)[0][0] == "count")  # fmt: skip
+                    atom.__dict__[attribute] = meant
 
     def test_the_generator_is_the_same_every_time(self):
         for seed in range(50):
