@@ -82,7 +82,10 @@ def choose_style(rng, dialect, style):
         style["symbols"] in ("right", "mixed") and often(0.1)  # fmt: skip
     style["zero"] = not style["altlocs"] and often(0.1)
     style["bom"] = often(0.02)
-    style["occupancy"] = style["altlocs"] or not often(0.15)
+    style["occupancy"] = style["altlocs"] or dialect == "pdbqt" or not often(0.15)
+    style["short"] = not style["occupancy"] and dialect not in ("pqr", "cif", "xyzr") and often(0.4)
+    if style["short"]:  # lines end behind z: no segments and symbols either
+        style["symbols"], style["contradictions"] = "none", False
     style["chains"] = chain_names(rng, dialect)
     style["old_hydrogens"] = dialect == "old" or (dialect == "amber" and often(0.3))
 
@@ -250,6 +253,8 @@ def next_number(rng, plan, number, index):
 
 
 def segment_of(rng, plan, chain, turn):
+    if plan.style["short"]:
+        return ""
     if plan.dialect in ("charmm", "namd"):
         return rng.choice(["PROA", "PROT", "MEMB", "A", "SOLV", "HETA", "P1", "IONS", "C123", "CARA"])
     if plan.dialect in ("vmd", "pymol") and rng.random() < 0.6:

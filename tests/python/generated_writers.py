@@ -55,8 +55,8 @@ def atom_line(rng, plan, atom, serial, kind=None):
             f"{resname[: 5 - len(chain)]}{chain}"
             f"{residue_number(atom, dialect) + (atom.icode or ' '):5.5}   {x:8.3f}{y:8.3f}{z:8.3f}")  # fmt: skip
     if not style["occupancy"]:
-        if style["seed"] < 0.4:
-            return line  # the line ends behind z
+        if style["short"]:
+            return line
         return f"{line}            {'':6}{'':4}{'':4}{'':4}"[:76].ljust(76)[:72] + f"{atom.segment:<4}" + \
             symbol_fields(rng, atom, style)  # fmt: skip
     line += f"{atom.occupancy:6.2f}{rng.uniform(0, 99):6.2f}"
