@@ -98,7 +98,7 @@ def chain_names(rng, dialect):
     if dialect == "cif" and rng.random() < 0.4:
         return rng.sample(["AA", "BA", "A1", "AAA", "X-2", "Z", "a", "heavy", "1"], 2)
     if dialect == "pymol" and rng.random() < 0.2:
-        return rng.sample(["AA", "B1", "Cx"], 2)  # columns 21 and 22
+        return rng.sample(["AA", "B1", "Cx"], 2)  # columns 21 and 22, as gemmi and cctbx write them
     if dialect == "pqr" and rng.random() < 0.15:
         return ["AA", "PROA"]
     if dialect == "alphafold":

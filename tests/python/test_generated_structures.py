@@ -1,10 +1,12 @@
 """vdwmesh.read of generated structure files: the atoms that were meant, or words that say otherwise.
 
-`generated_structures` invents small molecules by a seed and writes them as PDB in the dialects of ten programs, as PQR,
-mmCIF and XYZR. It knows no reader: what is expected comes from the molecule, not from the text. A difference counts as
-silent if neither a warning nor a note of the molecule speaks of it. 1,500 files are read here;
-`VDWMESH_GENERATED=20000` reads as many as it says, and
-`python3 -B test_generated_structures.py SEED` shows the file of one seed.
+`generated_structures` invents small molecules by a seed and writes them as PDB in the dialects of many programs, as
+PDBQT, PQR, mmCIF and XYZR. It knows no reader: what is expected comes from the molecule, not from the text. A difference
+counts as silent if no warning of the molecule speaks of it, or where nothing in the file tells an element for certain,
+no note. One file in fifty has a coordinate that is none and must be refused; of the others at most 1 % may be.
+
+1,500 files are read here; `VDWMESH_GENERATED=20000` in the environment reads as many as it says (seeds from 0 on), and
+`python3 -B test_generated_structures.py SEED` shows the file of one seed and what was read of it.
 """
 
 import collections
