@@ -2,7 +2,7 @@
 // position of a chain: one residue, or several residues with the same number (microheterogeneity).
 // A "label" is the character of an alternate location, '\0' for none.
 //
-// The atoms of a position stand together, so positions are handled one after the other:
+// The atoms of a position are brought together, so positions are handled one after the other:
 // 1. For "highest", labels are ranked by the mean occupancy of their atoms at the position. A label
 //    that the user asks for holds at the positions that have it, and "highest" at the others.
 // 2. PositionChoice marks for removal every atom that has another label than the chosen one, or
@@ -15,9 +15,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <gemmi/model.hpp>
+#include <map>
 #include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "core/errors.hpp"
 #include "structure/parsed_file.hpp"
@@ -239,11 +242,47 @@ void check_label(const Sites& sites, const std::string& label, const std::string
                                      : fmt::format("there are {}, or highest, or all", known)));
 }
 
+// Brings residues together that are alternatives to each other but do not stand side by side: they
+// have one position and different names, and all their atoms have labels. A residue of the same
+// name is none: numbers of waters come again. Returns whether anything was moved.
+bool gather_positions(Sites& sites) {
+  using Position = std::tuple<const gemmi::Chain*, std::string_view, int, char>;
+  std::map<Position, std::vector<const ResiduePlace*>> found;
+  std::map<const ResiduePlace*, const ResiduePlace*> moved;  // to stand behind
+  for (auto first = sites.begin(); first != sites.end();) {
+    const ResiduePlace* const place = first->place;
+    const auto last =
+        std::find_if(first, sites.end(), [place](const Site& site) { return site.place != place; });
+    const bool labelled =
+        std::all_of(first, last, [](const Site& site) { return site.atom->altloc != '\0'; });
+    first = last;
+    if (!labelled) continue;
+    const gemmi::Residue& residue = *place->residue;
+    auto& alike =
+        found[{place->chain, residue.segment, residue.seqid.num.value, residue.seqid.icode}];
+    const bool is_new = std::all_of(alike.begin(), alike.end(), [&](const ResiduePlace* other) {
+      return other->residue->name != residue.name;
+    });
+    if (is_new && !alike.empty() && place != alike.front() + alike.size())
+      moved[place] = alike.front();
+    alike.push_back(place);
+  }
+  if (moved.empty()) return false;
+  const auto stand_of = [&moved](const Site& site) {
+    const auto to = moved.find(site.place);
+    return to == moved.end() ? site.place : to->second;
+  };
+  std::stable_sort(sites.begin(), sites.end(),
+                   [&](const Site& a, const Site& b) { return stand_of(a) < stand_of(b); });
+  return true;
+}
+
 }  // namespace
 
 void choose_alternate_locations(Sites& sites, const std::string& label, Molecule& molecule) {
   if (label == "all") return;
   check_label(sites, label, molecule.path);
+  const bool was_moved = gather_positions(sites);
   std::uint64_t others = 0;  // atoms that stay without the label
   for (auto first = sites.begin(); first != sites.end();) {
     const Range place{first, end_of_position(first, sites.end())};
@@ -251,6 +290,10 @@ void choose_alternate_locations(Sites& sites, const std::string& label, Molecule
     if (has_labels(place)) others += choose_at(place, label, molecule.skipped);
   }
   std::erase_if(sites, [](const Site& site) { return site.atom == nullptr; });
+  if (was_moved) {
+    std::stable_sort(sites.begin(), sites.end(),
+                     [](const Site& a, const Site& b) { return a.place < b.place; });
+  }
   if (others == 0) return;
   molecule.notes.push_back(
       fmt::format("{} atoms have no alternate location {}: they have the one of highest occupancy "

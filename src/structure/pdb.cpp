@@ -80,7 +80,7 @@ bool has_charge(std::string_view line) {
 
 // Whether column 21, which has no use in the format, holds the fourth letter of a residue name
 // ("POPE" and "NALA" of CHARMM and AMBER), rather than the first of a chain id of two. Positive for
-// a name, negative for a chain id, 0 if the column is empty.
+// a name, negative for a chain id, 0 if the column is empty or the line alone cannot tell.
 int vote_for_wide_names(std::string_view line) {
   const std::string_view four = columns(line, 17, 4), three = columns(line, 17, 3);
   if (four.size() < 4 || four[3] == ' ') return 0;
@@ -89,6 +89,7 @@ int vote_for_wide_names(std::string_view line) {
     return is_standard_residue(residue) || standard_residue_name(residue) == "HOH" ||
            residue == "HOH";
   };
+  if (is_known(name) && is_known(shorter)) return 0;  // "HISA" of GROMOS, or HIS of a chain "AA"
   if (is_known(name)) return 1;
   if (is_known(shorter) || four[0] == ' ' || three.find(' ') != std::string_view::npos) return -1;
   return 1;
@@ -103,6 +104,7 @@ Layout layout_of(std::string_view text) {
   Layout layout;
   std::size_t atoms = 0, aligned = 0, at_left = 0, charges = 0;
   std::int64_t wide = 0;                           // votes for wide names, less those against them
+  bool in_use = false;                             // whether column 21 holds anything
   std::map<std::string_view, std::size_t> tagged;  // atoms with an entry tag, by entry id
   std::string_view line;
   while (next_line(text, line)) {
@@ -110,6 +112,7 @@ Layout layout_of(std::string_view text) {
     ++atoms;
     const std::string_view tag = columns(line, kTagColumn, 8), name = columns(line, 12, 4);
     wide += vote_for_wide_names(line);
+    in_use = in_use || columns(line, 20, 1) > " ";
     if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
     layout.beads = layout.beads || is_martini_bead(name, columns(line, 17, 3));
     if (is_short_name(trimmed(name)) && name.size() == 4) ++(name[0] != ' ' ? at_left : aligned);
@@ -117,7 +120,7 @@ Layout layout_of(std::string_view text) {
   }
   layout.pdbqt = 2 * charges > atoms;
   layout.names_at_left = at_left > aligned;
-  layout.wide_names = wide > 0;
+  layout.wide_names = wide > 0 || (wide == 0 && in_use);
   layout.entry_tags = std::any_of(tagged.begin(), tagged.end(),
                                   [atoms](const auto& entry) { return 2 * entry.second > atoms; });
   return layout;

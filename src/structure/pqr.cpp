@@ -131,7 +131,7 @@ constexpr std::array kLayouts{
 
 // Reads the names of the row by columns, and puts x, y, z and the fields behind them into
 // `numbers`. False if the line does not keep to the layout: the coordinates must be numbers of
-// three decimals in their columns.
+// three decimals in their columns, and no name may have a blank in it, as pieces of two words have.
 bool take_columns(std::string_view line, const Layout& layout, Row& row,
                   std::vector<std::string_view>& numbers) {
   numbers.clear();
@@ -147,6 +147,9 @@ bool take_columns(std::string_view line, const Layout& layout, Row& row,
   if (row.name.empty() || !is_residue_number(row.number)) return false;
   row.serial = columns(line, 6, 5);
   row.residue = trimmed(columns(line, layout.residue, layout.chain - layout.residue));
+  if (row.name.find(' ') != std::string_view::npos ||
+      row.residue.find(' ') != std::string_view::npos)
+    return false;
   row.chain = trimmed(columns(line, layout.chain, 1));
   const std::size_t end = layout.position[2] + kCoordinateWidth;
   for (const std::string_view field : split_at_blanks(columns(line, end, line.size())))
