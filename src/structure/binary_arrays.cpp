@@ -325,7 +325,8 @@ ColumnStream::ColumnStream(const PackedValue& column, std::size_t rows, const st
   if (size != rows) decoder.fail(fmt::format("has {} values in a table of {} rows", size, rows));
   const std::optional<PackedValue> mask = column.find("mask");
   // Some writers give a mask that is null or an empty map to columns that need none.
-  if (!mask || (!mask->find("encoding") && !mask->find("data"))) return;
+  if (!mask) return;
+  if (mask->kind() == PackedKind::map && !mask->find("encoding") && !mask->find("data")) return;
   parts_->mask = decoder.integers(*mask);
   if (parts_->mask->size() != rows)
     decoder.fail(

@@ -248,8 +248,8 @@ class SummedStream : public IntegerStream {
         sum_(origin),
         kept_(type == 4   ? 0xFF
               : type == 5 ? 0xFFFF
-              : type == 6 ? 0xFFFFFFFF
-                          : -1),
+              : type == 6 ? std::int64_t{0xFFFFFFFF}
+                          : std::int64_t{-1}),
         differences_(std::move(differences)) {}
 
   void take(std::int32_t* to, std::size_t count) override {

@@ -175,7 +175,7 @@ RadiusTable RadiusTable::from_list(const std::string& list) {
     else if (is_set)
       throw InvalidInput(
           fmt::format("radii {}: the set {} comes first, files behind it", in_quotes(list), part));
-    else if (std::filesystem::exists(part, error))
+    else if (std::filesystem::exists(part, error) || error)  // reading says what is wrong
       table.add_file(part);
     else
       throw InvalidInput(fmt::format("radii {}: neither a set ({}) nor a file that is there",

@@ -189,7 +189,7 @@ def pdb_columns(make, sample):
     one("a coordinate that overflows its columns", row[:30] + "12345.678" + row[38:], REFUSED)
     one("blanks turned into tabs", "\t".join(row.split()), REFUSED)
     one("a record of 20 columns", row[:20], REFUSED)
-    one("an unknown element", row[:12] + " Q? " + row[16:76] + "Q?" + row[78:], REFUSED)
+    one("an unknown element", row[:12] + " J? " + row[16:76] + "J?" + row[78:], REFUSED)
     one("serial and residue numbers that are none", row[:6] + "*****" + row[11:22] + "****" +
         row[26:], EITHER, ATOMS)
     one("occupancy and B that are none", row[:54] + "************" + row[66:], EITHER, ATOMS)
