@@ -312,7 +312,7 @@ class RadiiTest(unittest.TestCase):
             vdwmesh.radii_of(["C", "C"], names=["CA"])
         with self.assertRaisesRegex(ValueError, "elements"):
             vdwmesh.radii_of([6, 7])
-        with self.assertRaisesRegex(ValueError, "set: unheard-of"):
+        with self.assertRaisesRegex(ValueError, "'unheard-of': neither a set"):
             vdwmesh.radii_of(["C"], set="unheard-of")
 
 

@@ -166,7 +166,6 @@ TEST(Elements, TellsTheHostsPatchesOfEachSet) {
     EXPECT_EQ(one.checks.extended_decisions, found.totals[s].extended_decisions);
     EXPECT_LE(one.checks.extended_decisions, one.counts.low_probes);
   }
-  EXPECT_GT(sum, 0u);
   if (found.host_sets == 0) {
     EXPECT_EQ(sum, found.host_patches);
   }

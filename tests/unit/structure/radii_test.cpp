@@ -192,7 +192,8 @@ TEST(Radii, LinesThatNoAtomUsesAreNamed) {
   EXPECT_THAT(molecule.notes[0], HasSubstr("mine:2 (thr CA)"));
   // What helps an unknown element works.
   options.radii = dir.write("alone", "C 1.7\n").string();
-  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", std::string(atom) + "N\n", options),
+  EXPECT_THAT(refusal_of_text<InvalidInput>(
+                  "a.pdb", std::string(atom).replace(17, 3, "LIG") + "N\n", options),
               HasSubstr("give --radii bondi," + options.radii));
 }
 
