@@ -116,7 +116,7 @@ std::vector<Option> input_options(Draft& d) {
       {"--format", kStructures, one(r.format, named<StructureFormat>()),
        "of INPUT, where its name does not tell"},
       {"--radii", kStructures,
-       one(r.radii, text("SET|FILE,...", {"bondi", "alvarez", "protor", "naccess", "oons"})),
+       one(r.radii, text("SET|FILE", {"bondi", "alvarez", "protor", "naccess", "oons"})),
        "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
        "ELEMENT RADIUS or RESIDUE ATOM RADIUS; bondi,FILE: a set with lines of one's own",
        otherwise("bondi; those of PQR and XYZR")},
