@@ -147,6 +147,22 @@ TEST(ExcludedCrowded, AProbeThatItsAtomsHold) {
   }
 }
 
+// Seven of these atoms hold it too, but probes outside reach its ball through the gap. So its wall
+// is a part of the outer surface, and no cavity, and the exterior surface, of probes from outside
+// alone, is without it.
+TEST(ExcludedCrowded, AProbeThatIsHeldBehindAGap) {
+  for (int i = 0; i < 8; ++i) {
+    const ExcludedMeasures held = measure_excluded(row_of_cubes(1, 1.5, 1.4, i), 1.4);
+    EXPECT_TRUE(is_certified(held));
+    EXPECT_EQ(held.complete.checks.ties, 0u);
+    EXPECT_EQ(held.complete.topology->cavities, 0u);
+    EXPECT_LT(held.complete.volume, held.exterior->volume);
+    double shares = 0;
+    for (const ExcludedAtom& atom : held.complete.per_atom) shares += atom.area.sum();
+    EXPECT_RELATIVE(shares, held.complete.area, kExcludedRounding);
+  }
+}
+
 // Probes that are held in two cubes overlap each other, and probes outside overlap both.
 TEST(ExcludedCrowded, HeldProbesThatOverlap) {
   for (const double radius : {0.5, 0.9, 1.5}) {
