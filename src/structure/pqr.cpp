@@ -120,19 +120,19 @@ bool is_residue_number(std::string_view field) {
 
 // The columns of a program that writes PQR with fixed ones, where neighbouring fields may touch.
 // The residue's name has as many columns as no other field claims.
-struct Layout {
+struct PqrColumns {
   std::size_t residue, chain, number, number_width;
   std::array<std::size_t, 3> position;  // first columns of x, y and z, each of eight columns
 };
 constexpr std::size_t kCoordinateWidth = 8, kDecimals = 3;
 constexpr std::array kLayouts{
-    Layout{16, 21, 22, 5, {30, 38, 46}},   // PDB's, as PDB2PQR, AMBER and MEAD write them
-    Layout{16, 20, 21, 4, {26, 35, 44}}};  // of GROMACS
+    PqrColumns{16, 21, 22, 5, {30, 38, 46}},   // PDB's, as PDB2PQR, AMBER and MEAD write them
+    PqrColumns{16, 20, 21, 4, {26, 35, 44}}};  // of GROMACS
 
 // Reads the names of the row by columns, and puts x, y, z and the fields behind them into
 // `numbers`. False if the line does not keep to the layout: the coordinates must be numbers of
 // three decimals in their columns, and no name may have a blank in it, as pieces of two words have.
-bool take_columns(std::string_view line, const Layout& layout, Row& row,
+bool take_columns(std::string_view line, const PqrColumns& layout, Row& row,
                   std::vector<std::string_view>& numbers) {
   numbers.clear();
   for (const std::size_t first : layout.position) {
@@ -287,9 +287,10 @@ void add_pqr_record(std::string_view record, std::uint32_t line, const std::stri
   static constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
   Row row;
   std::vector<std::string_view> numbers;
-  const bool is_aligned = std::any_of(kLayouts.begin(), kLayouts.end(), [&](const Layout& layout) {
-    return take_columns(record, layout, row, numbers) && numbers.size() >= 5;
-  });
+  const bool is_aligned =
+      std::any_of(kLayouts.begin(), kLayouts.end(), [&](const PqrColumns& layout) {
+        return take_columns(record, layout, row, numbers) && numbers.size() >= 5;
+      });
   if (!is_aligned) take_words(record, row, numbers, path, line);
   row.hetero = starts_with_record(record, "HETATM");
   const double charge = number_or_refuse(numbers[3], "the charge", path, line);
