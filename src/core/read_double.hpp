@@ -10,8 +10,8 @@
 namespace vdwmesh {
 
 // Whether the decimal number in [first, last) is below 1: whether the power of ten of its first
-// digit that is not 0 is negative.
-inline bool is_small_decimal(const char* first, const char* last) {
+// digit that is not 0 is negative. Hardly ever called, so not inlined into loops that read numbers.
+[[gnu::noinline]] inline bool is_small_decimal(const char* first, const char* last) {
   std::int64_t power = 0;
   bool is_behind_point = false, has_digit = false;
   for (; first != last && *first != 'e' && *first != 'E'; ++first) {
@@ -34,7 +34,8 @@ inline bool is_small_decimal(const char* first, const char* last) {
 // the nearest double, which is 0. A number that is too large stays an error.
 inline std::from_chars_result read_double(const char* first, const char* last, double& value) {
   std::from_chars_result result = std::from_chars(first, last, value);
-  if (result.ec == std::errc::result_out_of_range && is_small_decimal(first, result.ptr)) {
+  if (result.ec == std::errc::result_out_of_range && is_small_decimal(first, result.ptr))
+      [[unlikely]] {
     value = *first == '-' ? -0.0 : 0.0;
     result.ec = std::errc{};
   }

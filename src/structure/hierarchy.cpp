@@ -98,8 +98,10 @@ std::vector<std::uint32_t> first_places(const std::vector<ResiduePlace>& places)
   std::vector<std::uint32_t> firsts;
   firsts.reserve(places.size());
   for (const ResiduePlace& place : places)
+    // Keys mostly rise, so the end is the hint.
     firsts.push_back(
-        known.try_emplace(key_of(place), static_cast<std::uint32_t>(firsts.size())).first->second);
+        known.try_emplace(known.end(), key_of(place), static_cast<std::uint32_t>(firsts.size()))
+            ->second);
   return firsts;
 }
 

@@ -39,6 +39,7 @@ namespace {
 constexpr std::size_t kMaxModels = 9999;
 constexpr std::uint64_t kMaxAtoms = 43'770'015;
 // Columns count from 0, while the manual of the format counts them from 1.
+constexpr std::size_t kFourthLetter = 20;   // of a residue name, or blank
 constexpr std::size_t kTagColumn = 72;      // entry tag or segment id
 constexpr std::size_t kChargeColumn = 70;   // of PDBQT
 constexpr std::size_t kElementColumn = 76;  // two columns, right-aligned
@@ -80,10 +81,9 @@ bool has_charge(std::string_view line) {
 
 // Whether column 21, which has no use in the format, holds the fourth letter of a residue name
 // ("POPE" and "NALA" of CHARMM and AMBER), rather than the first of a chain id of two. Positive for
-// a name, negative for a chain id, 0 if the column is empty or the line alone cannot tell.
+// a name, negative for a chain id, 0 if the line alone cannot tell.
 int vote_for_wide_names(std::string_view line) {
   const std::string_view four = columns(line, 17, 4), three = columns(line, 17, 3);
-  if (four.size() < 4 || four[3] == ' ') return 0;
   const std::string name = upper_case(trimmed(four)), shorter = upper_case(trimmed(three));
   const auto is_known = [](const std::string& residue) {
     return is_standard_residue(residue) || standard_residue_name(residue) == "HOH" ||
@@ -111,8 +111,10 @@ Layout layout_of(std::string_view text) {
     if (!is_atom_record(line)) continue;
     ++atoms;
     const std::string_view tag = columns(line, kTagColumn, 8), name = columns(line, 12, 4);
-    wide += vote_for_wide_names(line);
-    in_use = in_use || columns(line, 20, 1) > " ";
+    if (line.size() > kFourthLetter && line[kFourthLetter] != ' ') {
+      wide += vote_for_wide_names(line);
+      in_use = true;
+    }
     if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
     layout.beads = layout.beads || is_martini_bead(name, columns(line, 17, 3));
     if (is_short_name(trimmed(name)) && name.size() == 4) ++(name[0] != ' ' ? at_left : aligned);
@@ -250,7 +252,8 @@ class Normaliser {
       refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
     check_coordinates(line);
     const std::size_t begin = text_.size();
-    text_.append(line.substr(0, width_of(line)));
+    const std::string_view symbol = symbol_field(line);
+    text_.append(line.substr(0, width_of(line, symbol)));
     text_.resize(begin + kLastColumn, ' ');
     const std::string_view record = std::string_view(text_).substr(begin);
     const auto replace = [&](std::size_t column, std::string_view field) {
@@ -268,7 +271,7 @@ class Normaliser {
     if (is_decimal(columns(record, kTagColumn, 4))) replace(kTagColumn, "    ");
     // gemmi reads a blank occupancy as 0; the atom is meant to be there in full.
     if (trimmed(columns(record, 54, 6)).empty()) replace(54, "  1.00");
-    set_element(line, record, residue, atom);
+    set_element(symbol, record, residue, atom);
     const std::string_view element = gemmi::element_name(atom.element);
     replace(kElementColumn, "  ");
     replace(kLastColumn - element.size(), element);
@@ -278,11 +281,10 @@ class Normaliser {
 
   // How many columns of the record gemmi may see. An entry tag would be read as an element, and a
   // charge or a symbol too far to the left as a segment.
-  std::size_t width_of(std::string_view line) const {
+  std::size_t width_of(std::string_view line, std::string_view symbol) const {
     if (layout_.pdbqt) return kChargeColumn - 4;
     if (layout_.entry_tags) return kTagColumn;
-    return symbol_field(line).data() < line.data() + kElementColumn ? kElementColumn - 1
-                                                                    : kLastColumn;
+    return symbol.data() < line.data() + kElementColumn ? kElementColumn - 1 : kLastColumn;
   }
 
   // The symbol of the element. It belongs in columns 77-78. A symbol of two letters that stands one
@@ -290,6 +292,10 @@ class Normaliser {
   std::string_view symbol_field(std::string_view line) const {
     if (layout_.entry_tags || line.size() <= kElementColumn) return line.substr(line.size());
     if (layout_.pdbqt) return symbol_of_autodock(trimmed(columns(line, kElementColumn, 4)));
+    const bool is_one_letter = line[kElementColumn] == ' ' && line.size() > kElementColumn + 1 &&
+                               is_letter(line[kElementColumn + 1]) &&
+                               (line.size() == kLastColumn || !is_letter(line[kLastColumn]));
+    if (is_one_letter) return line.substr(kElementColumn + 1, 1);
     const std::string_view name = columns(line, 12, 4);
     const bool ends_early = line[kElementColumn - 2] == ' ',
                begins_late = line[kElementColumn] == ' ';
@@ -303,9 +309,8 @@ class Normaliser {
   }
 
   // Beads have no element.
-  void set_element(std::string_view line, std::string_view record, std::string_view residue,
+  void set_element(std::string_view symbol, std::string_view record, std::string_view residue,
                    AtomRecord& atom) {
-    const std::string_view symbol = symbol_field(line);
     atom.element = gemmi::find_element(element_of_symbol(symbol));
     if (layout_.beads) {
       atom.element_guessed = atom.element == gemmi::El::X;
