@@ -164,6 +164,14 @@ TEST_F(Parity, IntoTheMemoryOfTheMeshBefore) {
 }
 
 // Opposite half-edges are made where they are asked for, and nothing else depends on that.
+// The limit of a device's memory that leaves each of its workers `bytes`.
+std::uint64_t for_each_worker(std::uint64_t bytes, int workers) {
+  if (bytes == kNoMemoryLimit) return bytes;
+  const auto all = static_cast<std::uint64_t>(workers);
+  const std::uint64_t present = cuda_devices().devices.size();
+  return bytes * ((all + present - 1) / present);
+}
+
 TEST_F(Parity, WithoutHalfEdges) {
   const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
   for (const FieldKind kind : kFields) {
@@ -174,7 +182,7 @@ TEST_F(Parity, WithoutHalfEdges) {
     for (const int devices : {1, 3}) {
       for (const std::uint64_t memory : {kNoMemoryLimit, std::uint64_t{2} << 20}) {
         options.devices = devices;
-        options.device_memory = memory;
+        options.device_memory = for_each_worker(memory, devices);
         const ExtractResult cuda = make_extractor(Backend::cuda)->extract(spheres, options);
         expect_same(cpu.mesh, cuda.mesh, std::string("triangles alone, ") + name_of(kind));
         EXPECT_EQ(cuda.stats.slabs > static_cast<std::uint64_t>(devices), memory != kNoMemoryLimit);
@@ -196,7 +204,7 @@ TEST_F(Parity, SlabsAndDevices) {
     for (const int devices : {1, 2, 3, 7}) {
       for (const std::uint64_t memory : {kNoMemoryLimit, std::uint64_t{3} << 20}) {
         options.devices = devices;
-        options.device_memory = memory;
+        options.device_memory = for_each_worker(memory, devices);
         const ExtractResult result = make_extractor(Backend::cuda)->extract(spheres, options);
         const std::string what = std::string(name_of(kind)) + " " + std::to_string(devices) +
                                  " devices, " + std::to_string(memory) + " bytes";
