@@ -1,7 +1,7 @@
 // Estimates the memory that each stage of a run takes from what is known before it: atoms, the area
 // of the surface, the spacing. A run that would take more than is allowed is refused before it
 // begins, and the message names options with which it would fit, each tried by the same estimate,
-// which is mostly 1.0 to 1.25 times what is taken, and up to 1.5 (docs/robustness.md).
+// which is mostly 1.0 to 1.25 times what is taken, and up to 1.5 (docs/notes/robustness.md).
 #include "memory_plan.hpp"
 
 #include <fmt/format.h>

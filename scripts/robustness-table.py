@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the tables of docs/robustness.md anew: what the program makes of every damaged file of
+"""Writes the tables of docs/notes/robustness.md anew: what the program makes of every damaged file of
 tests/cli/bad, and of the odd files of ../shared where they are.
 
     scripts/robustness-table.py [PROGRAM]     default: build/release/apps/vdwmesh
@@ -21,7 +21,7 @@ sys.path.insert(0, str(SOURCE_DIR / "tests" / "cli"))
 import program  # noqa: E402
 from bad import binary, meshes, outcome, structures  # noqa: E402
 
-DOCUMENT = SOURCE_DIR / "docs" / "robustness.md"
+DOCUMENT = SOURCE_DIR / "docs" / "notes" / "robustness.md"
 LONGEST = 170  # letters of a message
 
 

@@ -91,7 +91,7 @@ std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double expo
   // Bytes per sphere of the triangulation, as a straight line in the exposed share of the area:
   // kBuried - kLessExposed · exposed, but at least kLeast. Measured on the structure 6ZU5: 1580
   // without a probe, where 36 % is exposed, and 2710 with a probe of 1.4 Å, where 4 % is. The line
-  // is 2800 with the probe, but 1290 without: it is too low there (docs/robustness.md). kArcs is
+  // is 2800 with the probe, but 1290 without: it is too low there (docs/notes/robustness.md). kArcs is
   // bytes per sphere of the method `arcs`.
   constexpr double kLeast = 900, kBuried = 3000, kLessExposed = 4700;
   constexpr std::uint64_t kArcs = 400;

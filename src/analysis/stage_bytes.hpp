@@ -2,7 +2,7 @@
 //
 // The program compares these estimates with its memory limit before a stage allocates anything. For
 // molecules they are upper bounds that exceed the measured peak by at most a half;
-// docs/robustness.md has the measurements.
+// docs/notes/robustness.md has the measurements.
 #pragma once
 
 #include <cstdint>

@@ -3,7 +3,8 @@
 RUN names the pages whose blocks without a language are lists of examples, a command a line. Any other such block
 has to be in ELSEWHERE, with what runs it instead, so that no document shows a command that nobody runs.
 Commands within a line of prose are run where they need no file (`--sample`). What the commands print is not compared
-here: blocks that quote it are compared by test_documents.py.
+here: blocks that quote it are compared by test_documents.py. The notes in docs/notes record what was measured, and are
+not run.
 """
 
 import gzip
@@ -31,12 +32,10 @@ ELSEWHERE = {
     ("README.md", "$ vdwmesh report"): "test_documents.py",
     ("CONTRIBUTING.md", "cmake --preset release"): "scripts/build.sh and scripts/run-ctest.sh, as .ci/run calls them",
     ("docs/architecture.md", "file"): PAGE,
-    ("docs/benchmarks.md", "stage()"): "a person, on a machine without other work",
     ("docs/certificates.md", "$ vdwmesh exact"): "test_documents.py",
     ("docs/exact_mesh.md", "exact_mesh_table"): "a person: the table of peers is no part of the project",
     ("docs/excluded_surface.md", ". - ~"): PAGE,
     ("docs/excluded_surface.md", "$ vdwmesh report"): "test_documents.py",
-    ("docs/fuzzing.md", "scripts/install-deps.sh fuzz"): "scripts/test-sanitized.sh address, in .ci/run",
     ("docs/install.md", "apt install"): "scripts/try-packages.sh",
     ("docs/install.md", "scripts/build.sh package"): "scripts/release-check.sh",
     ("docs/install.md", "podman build"): "scripts/try-container.sh, by buildah",
@@ -44,10 +43,8 @@ ELSEWHERE = {
     ("docs/install.md", "source PREFIX"): "test_manual.py, from the build tree",
     ("docs/library.md", "scripts/build.sh release"): "test_libraries.py",
     ("docs/library.md", "file"): PAGE,
-    ("docs/mutations.md", "tests/mutation/mutate.py"): "a person: it takes hours",
     ("docs/robustness.md", "$ vdwmesh report 6ZU5"): "a person, on a machine with the entry; test_options.py with smaller ones",
     ("docs/scale.md", "#!/bin/bash"): "a cluster with Slurm",
-    ("docs/scale.md", "mpirun -n P"): "a person, on a host with 32 cores",
     ("docs/scale.md", "mpirun -n 2 --bind-to socket"): "a machine of two sockets; test_ranks.py without binding",
     ("docs/start.md", "scripts/demo.sh"): "test_documents.py says what",
     ("docs/tasks/thesis.md", "vdwmesh bench thesis"): "test_documents.py says what",
@@ -72,7 +69,7 @@ def what_runs(page, block):
 
 
 def pages():
-    found = {*SOURCE_DIR.glob("*.md"), *(SOURCE_DIR / "docs").glob("**/*.md"), *(SOURCE_DIR / "bench").glob("*.md"),
+    found = {*SOURCE_DIR.glob("*.md"), *(SOURCE_DIR / "docs").glob("*.md"), *(SOURCE_DIR / "docs" / "tasks").glob("*.md"), *(SOURCE_DIR / "bench").glob("*.md"),
              *(SOURCE_DIR / "data").glob("*.md")}  # fmt: skip
     return sorted(str(path.relative_to(SOURCE_DIR)) for path in found)
 

@@ -1,4 +1,4 @@
-// The first sets of the survey of docs/robustness.md.
+// The first sets of the survey of docs/notes/robustness.md.
 #include "contract/extractor_contract.hpp"
 #include "support/extract_survey.hpp"
 
