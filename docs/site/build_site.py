@@ -94,6 +94,7 @@ class Site:
             str(path.relative_to(self.sources))
             for path in (self.sources / "docs").rglob("*.md")
             if str(path.relative_to(self.sources)) not in self.places
+            and "notes" not in path.parent.parts  # those are for makers; a link to one leads to its text
         )
         if unlisted:
             raise SiteError(f"docs/site/pages.csv does not list {', '.join(unlisted)}")
