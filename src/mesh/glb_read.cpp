@@ -19,7 +19,6 @@
 
 #include "core/errors.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/mesh_assembly.hpp"
 
 namespace vdwmesh::formats {
 namespace {
