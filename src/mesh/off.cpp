@@ -143,10 +143,8 @@ class OffReader {
   std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };
 
-}  // namespace
-
 // From the opposite half-edges if the mesh has them.
-static std::size_t count_edges(const IndexedMesh& mesh) {
+std::size_t count_edges(const IndexedMesh& mesh) {
   std::size_t edges = 0;
   if (!mesh.opposite.empty()) {
     for (std::size_t h = 0; h < mesh.opposite.size(); ++h) edges += h < mesh.opposite[h];
@@ -157,6 +155,8 @@ static std::size_t count_edges(const IndexedMesh& mesh) {
     for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry>) { ++edges; });
   return edges;
 }
+
+}  // namespace
 
 void write_off(const MeshView& view, ByteSink& sink) {
   const IndexedMesh& mesh = view.mesh;
