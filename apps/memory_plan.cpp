@@ -103,12 +103,9 @@ class Estimate {
     if (d_.surface && mesh.triangles == 0) mesh = make();
     need_.triangles = mesh.triangles;
     const std::uint64_t held = mesh.triangles > 0 ? mesh_bytes(d_, mesh) : 0;
-    const std::uint64_t built =
-        d_.build == Switch::on ? surface_mesh_bytes(mesh, d_.connectivity) : 0;
     if (mesh.triangles > 0 && d_.measures == Switch::on) {
-      look_at(mesh, held + (d_.early == Switch::on ? built : 0) + beside_measures(mesh));
+      look_at(mesh, held + beside_measures(mesh));
     }
-    if (d_.build == Switch::on) take("build", held + built);
     if (d_.exact) take("exact union", held + union_bytes(d_.spheres, *d_.exact, d_.exposed));
     if (d_.distances == Switch::on) {
       take("distances", held + union_result() + distances_bytes(mesh, d_.spheres));
@@ -330,14 +327,7 @@ std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres
   if (const auto bytes = bytes_if_all_buried(demand, spheres.size(), limit)) return *bytes;
   fill_in(spheres, demand);
   if (demand.beside == Switch::on && !fits(demand, limit)) demand.beside = Switch::off;
-  if (demand.early == Switch::on && !fits(demand, limit)) demand.early = Switch::off;
   return check_memory(demand, limit);
-}
-
-bool early_build_fits(const MemoryDemand& demand, const MeshSize& mesh, std::uint64_t limit) {
-  MemoryDemand known = demand;
-  known.mesh = mesh;
-  return demand.early == Switch::on && fits(known, limit);
 }
 
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,

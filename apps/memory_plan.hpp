@@ -27,8 +27,6 @@ struct MemoryDemand {
   std::uint64_t half_edges_up_to = std::numeric_limits<std::uint64_t>::max();
   MeshSize mesh;                            // of the finished mesh, once it is known
   std::optional<std::uint64_t> mesh_bytes;  // of a mesh that was read from a file
-  Switch build = Switch::off;               // an OpenMesh mesh is built
-  Switch early = Switch::off;               // its memory is taken before the mesh is measured
   // The exact union is measured while the mesh is made, and distances while the mesh is measured.
   Switch beside = Switch::off;
   Switch measures = Switch::on;
@@ -64,12 +62,9 @@ MemoryNeed estimate_memory(const MemoryDemand& demand);
 std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit);
 
 // The same before the first stage. Sets the members of `demand` that describe the spheres, if a
-// mesh is made or memory is scarce. Switches `early` and `beside` off if they would need too much.
+// mesh is made or memory is scarce. Switches `beside` off if it would need too much.
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit);
-
-// Whether a mesh of this size leaves enough memory for `early`.
-bool early_build_fits(const MemoryDemand& demand, const MeshSize& mesh, std::uint64_t limit);
 
 // check_memory() for the stages that follow a mesh that has been made. Switches `beside` off if it
 // would need too much.

@@ -76,7 +76,6 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   extract.normals = request.normals;
   extract.memory_limit = refine.memory_limit;
   extract.monitor = refine.monitor;
-  extract.on_size = request.on_size;
   // The report has 0 devices if the CPU makes the mesh; ExtractOptions wants at least 1.
   extract.devices = std::max(report.backend->devices, 1);
   refine.grid = grid;
@@ -386,20 +385,6 @@ std::vector<RgbColor> element_colors(const Molecule& molecule) {
   colors.reserve(molecule.atoms.size());
   for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
   return colors;
-}
-
-void build_colored(const IndexedMesh& mesh, const Molecule& molecule, SurfaceMeshBuilder& builder) {
-  SurfaceMesh& surface = builder.build(mesh);
-  std::vector<std::string> elements;
-  elements.reserve(molecule.atoms.size());
-  for (const Atom& atom : molecule.atoms) elements.push_back(atom.element);
-  color_by_element(surface, elements);
-}
-
-void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
-                        SurfaceMeshBuilder& builder, Session& session) {
-  build_colored(mesh, molecule, builder);
-  session.end_stage(&Timing::build);
 }
 
 }  // namespace vdwmesh::apps

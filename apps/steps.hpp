@@ -11,7 +11,6 @@
 #include "batch/molecule_spheres.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/surface_mesh.hpp"
-#include "mesh/surface_mesh_builder.hpp"
 #include "options.hpp"
 #include "refine/refiner.hpp"
 #include "report.hpp"
@@ -41,13 +40,12 @@ Structure load(const InputOptions& options, Session& session);
 Molecule load_molecule(const InputOptions& options, Session& session);
 
 // What of a mesh is made, and who hears of it meanwhile. The levels above the last one of a refined
-// mesh have normals and half-edges anyway; the observers may be empty.
+// mesh have normals and half-edges anyway; the observer may be empty.
 struct MeshRequest {
   Connectivity connectivity = Connectivity::triangles;
   Normals normals = Normals::gradients;
   std::uint64_t half_edges_up_to = std::numeric_limits<std::uint64_t>::max();  // if it is refined
   LevelObserver on_level = {};
-  MeshSizeObserver on_size = {};  // of marching cubes
 };
 
 // Starts the device that will make the mesh, if one will, on a thread of its own: that takes some
@@ -110,10 +108,5 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
 
 // The CPK colour of each atom.
 std::vector<RgbColor> element_colors(const Molecule& molecule);
-// The half-edge mesh with normals, atoms and CPK colours, where the builder makes it. The second
-// function ends the stage.
-void build_colored(const IndexedMesh& mesh, const Molecule& molecule, SurfaceMeshBuilder& builder);
-void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
-                        SurfaceMeshBuilder& builder, Session& session);
 
 }  // namespace vdwmesh::apps

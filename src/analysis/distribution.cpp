@@ -10,6 +10,9 @@
 // The rank of a value is its index in the sorted sequence of all values. Sums are exact, and a
 // selection by rank does not depend on the order of its input. So nothing depends on the sample,
 // nor on how the values are divided among threads.
+//
+// Percentiles of distances are found otherwise (analysis/distances_statistics.hpp): a device
+// measures distances too, and counts in bins are all that it has to send.
 #include "analysis/distribution.hpp"
 
 #include <algorithm>
@@ -24,7 +27,7 @@ namespace {
 
 constexpr std::size_t kValuesPerBlock = 1 << 14;
 
-bool is_inside(const Brackets::Interval& interval, double value) {
+bool is_inside(const Brackets::Bracket& interval, double value) {
   return interval.lower <= value && value <= interval.upper;
 }
 
@@ -38,7 +41,7 @@ VDWMESH_MULTIVERSION std::size_t survey_block(ValueSummary& summary, const Brack
   Lanes lower[kIntervals], upper[kIntervals];
   LaneBits below[kIntervals];  // minus the number of values, since true is -1 in a lane
   for (std::size_t k = 0; k < kIntervals; ++k) {
-    const Brackets::Interval& interval = brackets.intervals[k < brackets.count ? k : 0];
+    const Brackets::Bracket& interval = brackets.intervals[k < brackets.count ? k : 0];
     lower[k] = all_lanes(interval.lower);
     upper[k] = all_lanes(interval.upper);
     below[k] = all_bits(0);
@@ -111,7 +114,7 @@ Brackets brackets_from_sample(std::vector<double> sample) {
     const double share = static_cast<double>(kPercentiles[i]) / 100;
     const double margin = 6 * std::sqrt(share * (1 - share) * size) + 8;
     const double first = share * size - margin, last = share * size + margin;
-    Brackets::Interval interval;
+    Brackets::Bracket interval;
     if (first >= 0) interval.lower = value_at(first);
     if (last < size) interval.upper = value_at(last);
     if (result.count > 0 && interval.lower <= result.intervals[result.count - 1].upper) {
@@ -125,7 +128,7 @@ Brackets brackets_from_sample(std::vector<double> sample) {
 }
 
 void BracketedValues::add(std::span<const double> block) {
-  OfThread& mine = threads_.local();
+  ThreadValues& mine = threads_.local();
   mine.summary.sum.add(block);
   // Values of which the last four are not all kept are written beyond the last kept one.
   mine.kept.resize(std::max(mine.kept.size(), block.size() + kLanes));
@@ -139,13 +142,13 @@ void BracketedValues::add(std::span<const double> block) {
 
 ValueSummary BracketedValues::summary() const {
   ValueSummary summary;
-  for (const OfThread& theirs : threads_) vdwmesh::add(summary, theirs.summary);
+  for (const ThreadValues& theirs : threads_) vdwmesh::add(summary, theirs.summary);
   return summary;
 }
 
 Buffer<double> BracketedValues::inside(std::size_t i) const {
   Buffer<double> values;
-  for (const OfThread& theirs : threads_)
+  for (const ThreadValues& theirs : threads_)
     values.insert(values.end(), theirs.inside[i].begin(), theirs.inside[i].end());
   return values;
 }

@@ -34,10 +34,10 @@ inline constexpr std::array<std::uint64_t, 3> kPercentiles{1, 50, 99};
 // Intervals in which the percentiles of a set are expected. Only values inside of them are kept.
 // The intervals do not overlap and increase; there are one to three of them.
 struct Brackets {
-  struct Interval {
+  struct Bracket {
     double lower = 0, upper = std::numeric_limits<double>::infinity();  // both inside
   };
-  std::array<Interval, kPercentiles.size()> intervals;
+  std::array<Bracket, kPercentiles.size()> intervals;
   std::size_t count = 1;
   std::array<std::size_t, kPercentiles.size()> of_percentile{};  // the interval of each
 };
@@ -83,14 +83,14 @@ class BracketedValues {
   Buffer<double> inside(std::size_t i) const;
 
  private:
-  struct OfThread {
+  struct ThreadValues {
     ValueSummary summary;
     std::array<std::vector<double>, kPercentiles.size()> inside;
     std::vector<double> kept;  // those of the present block that are in some interval
   };
 
   Brackets brackets_;
-  tbb::enumerable_thread_specific<OfThread> threads_;
+  tbb::enumerable_thread_specific<ThreadValues> threads_;
 };
 
 // The distribution of a set whose parts add up to `all`. value_inside(i, rank) is the value of that

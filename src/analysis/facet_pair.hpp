@@ -134,9 +134,9 @@ inline const Matching& match(const Triangle& a, const Triangle& b) {
 // The sides of a plane on which the corners of a facet from `first` on lie, in the order of a
 // matching. Corners before `first` lie in the plane.
 template <std::size_t first>
-struct Sides {
+struct CornerSides {
   std::array<int, 3> side{};
-  Sides(const Facet& plane, const Facet& f, const std::array<std::uint8_t, 3>& order) {
+  CornerSides(const Facet& plane, const Facet& f, const std::array<std::uint8_t, 3>& order) {
     for (std::size_t k = first; k < 3; ++k) side[k] = side_of(plane, f.corner[order[k]]);
   }
   bool certain() const {
@@ -155,7 +155,7 @@ struct Sides {
 // these corners at `sides`, all certain. Only an edge with ends on different sides can.
 template <std::size_t first>
 Meeting edges_meet(const Facet& f, const std::array<std::uint8_t, 3>& order,
-                   const Sides<first>& sides, const Facet& other) {
+                   const CornerSides<first>& sides, const Facet& other) {
   Meeting result = Meeting::apart;
   for (std::size_t i = first; i < 3; ++i) {
     for (std::size_t j = i + 1; j < 3; ++j) {
@@ -177,9 +177,9 @@ Meeting edges_meet(const Facet& f, const std::array<std::uint8_t, 3>& order,
 // shared vertex, which meets the other's plane only there.
 template <std::size_t first>
 Meeting meeting_beside(const Facet& a, const Facet& b, const Matching& m) {
-  const Sides<first> of_b(a, b, m.b);
+  const CornerSides<first> of_b(a, b, m.b);
   if (of_b.one_side()) return Meeting::apart;
-  const Sides<first> of_a(b, a, m.a);
+  const CornerSides<first> of_a(b, a, m.a);
   if (of_a.one_side()) return Meeting::apart;
   if (!of_a.certain() || !of_b.certain()) return Meeting::unsure;
   const Meeting by_b = edges_meet(b, m.b, of_b, a);

@@ -10,6 +10,9 @@
 // come last, by classes of width: among small ones, each of them would widen the boxes of all nodes
 // above it. And items that the cells of the curve do not tell apart, as near each other beside a
 // vertex far away, are sorted again by cells of their own box.
+//
+// BoxTree (analysis/box_tree_view.hpp) is another tree. It finds what is nearest to a point, on
+// host and device alike, and its boxes are bytes, rounded outward. Here boxes are compared exactly.
 #include "analysis/facet_tree.hpp"
 
 #include <algorithm>

@@ -97,13 +97,13 @@ inline std::uint32_t FacetTree::overlapping(const Node& node, const Box& box) {
 // and kWidth entries of each level.
 template <class Visit>
 void FacetTree::visit_nodes_from(std::size_t first, const Box& box, const Visit& visit) const {
-  struct Entry {
+  struct NodeToVisit {
     std::size_t level, index;
   };
-  Entry stack[kMaxLevels * kWidth + 1];
+  NodeToVisit stack[kMaxLevels * kWidth + 1];
   stack[0] = {levels_.size() - 1, 0};
   for (int size = 1; size > 0;) {
-    const Entry entry = stack[--size];
+    const NodeToVisit entry = stack[--size];
     if (entry.level == 0) {
       visit(entry.index);
       continue;

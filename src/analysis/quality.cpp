@@ -241,13 +241,14 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   const auto of_ratios = [](std::span<const double> ratios) {
     return histogram(ratios, BinScale::logarithmic, 1, 1024, 40);
   };
-  struct OfThread {
+  struct ThreadQuality {
     Histogram angles, ratios;
     std::vector<double> moved;
   };
-  tbb::enumerable_thread_specific<OfThread> threads(OfThread{of_angles({}), of_ratios({}), {}});
+  tbb::enumerable_thread_specific<ThreadQuality> threads(
+      ThreadQuality{of_angles({}), of_ratios({}), {}});
   visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
-    OfThread& mine = threads.local();
+    ThreadQuality& mine = threads.local();
     const auto add_moved = [&](std::span<const double> values, const auto& move, Histogram& sum,
                                const auto& make) {
       mine.moved.resize(values.size());
@@ -263,7 +264,7 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   });
   result.min_angle_deg = of_angles({});
   result.aspect_ratio = of_ratios({});
-  for (const OfThread& mine : threads) {
+  for (const ThreadQuality& mine : threads) {
     add(result.min_angle_deg, mine.angles);
     add(result.aspect_ratio, mine.ratios);
   }

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kTrianglesPerBlock = 1 << 13;
 
 // Area and signed volume of triangles.
-struct Sums {
+struct AreaAndVolume {
   ExactSum area, volume;  // Å², Å³
 };
 
@@ -23,7 +23,7 @@ struct Sums {
 VDWMESH_MULTIVERSION std::size_t sum_run(const IndexedMesh& mesh,
                                          std::span<const std::uint32_t> shell_of,
                                          const Vec3d& origin, std::size_t begin, std::size_t end,
-                                         Sums& sums) {
+                                         AreaAndVolume& sums) {
   constexpr std::size_t kAtOnce = 512;  // triangles
   double areas[kAtOnce], volumes[kAtOnce];
   const std::uint32_t shell = shell_of[begin];
@@ -44,7 +44,7 @@ VDWMESH_MULTIVERSION std::size_t sum_run(const IndexedMesh& mesh,
 }
 
 // Area and volume have different numbers of pieces; 0 stands where one has fewer.
-void append_terms(std::uint64_t shell, const Sums& sums, std::vector<ShellTerm>& terms) {
+void append_terms(std::uint64_t shell, const AreaAndVolume& sums, std::vector<ShellTerm>& terms) {
   std::vector<double> areas, volumes;
   sums.area.append_terms(areas);
   sums.volume.append_terms(volumes);
@@ -56,7 +56,7 @@ void append_terms(std::uint64_t shell, const Sums& sums, std::vector<ShellTerm>&
 
 // Adds one shell.
 void add_shell(ShellTotals& totals, std::span<const ShellTerm> terms) {
-  Sums shell;
+  AreaAndVolume shell;
   for (const ShellTerm& term : terms) {
     shell.area.add(term.area);
     shell.volume.add(term.volume);
@@ -78,7 +78,7 @@ std::vector<ShellTerm> shell_terms(const IndexedMesh& mesh, std::span<const std:
   for_each_block(shell_of.size(), kTrianglesPerBlock,
                  [&](std::size_t b, std::size_t first, std::size_t last) {
                    while (first < last) {
-                     Sums sums;
+                     AreaAndVolume sums;
                      const std::uint32_t shell = shell_of[first];
                      first = sum_run(mesh, shell_of, origin, first, last, sums);
                      append_terms(shell, sums, blocks[b]);

@@ -28,12 +28,12 @@ namespace {
 
 // A corner, as its vertex v sees it: the triangle is v, next, previous, in this order or turned. So
 // a half-edge runs from v to `next`, and one from `previous` to v.
-struct Corner {
+struct FanCorner {
   std::uint32_t previous, next;
 };
 
 // The vertices at the ends of an edge.
-struct Edge {
+struct FoundEdge {
   std::uint32_t smaller, larger;
 };
 
@@ -53,7 +53,7 @@ struct EdgeEnd {
 // then two are found; or the first corner of all is one of them, then the walk returns too early.
 // And each vertex that is `previous` of a corner is `next` of another, so every vertex is both
 // once.
-bool is_closed_fan_of_few(std::span<Corner> corners) {
+bool is_closed_fan_of_few(std::span<FanCorner> corners) {
   const std::uint32_t first = corners[0].next;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const std::uint32_t wanted = corners[i].previous;
@@ -73,13 +73,13 @@ bool is_closed_fan_of_few(std::span<Corner> corners) {
 // The same for any number: the corners are sorted by `next`, which is a different vertex for each,
 // and the walk looks the following corner up. If it is back at its first corner after as many steps
 // as there are corners, and not before, it has passed all of them.
-bool is_closed_fan_of_many(std::span<Corner> corners) {
-  std::ranges::sort(corners, {}, &Corner::next);
-  if (std::ranges::adjacent_find(corners, {}, &Corner::next) != corners.end()) return false;
+bool is_closed_fan_of_many(std::span<FanCorner> corners) {
+  std::ranges::sort(corners, {}, &FanCorner::next);
+  if (std::ranges::adjacent_find(corners, {}, &FanCorner::next) != corners.end()) return false;
   std::size_t at = 0;
   for (std::size_t step = 1; step <= corners.size(); ++step) {
     const std::uint32_t wanted = corners[at].previous;
-    const auto following = std::ranges::lower_bound(corners, wanted, {}, &Corner::next);
+    const auto following = std::ranges::lower_bound(corners, wanted, {}, &FanCorner::next);
     if (following == corners.end() || following->next != wanted) return false;
     at = static_cast<std::size_t>(following - corners.begin());
     if (at == 0) return step == corners.size();
@@ -87,7 +87,7 @@ bool is_closed_fan_of_many(std::span<Corner> corners) {
   return false;
 }
 
-bool is_closed_fan(std::uint32_t v, std::span<Corner> corners) {
+bool is_closed_fan(std::uint32_t v, std::span<FanCorner> corners) {
   constexpr std::size_t kFewCorners = 32;  // above, the square of the number costs more than a sort
   for (const auto& [previous, next] : corners)
     if (previous == v || next == v || previous == next) return false;
@@ -96,7 +96,7 @@ bool is_closed_fan(std::uint32_t v, std::span<Corner> corners) {
 }
 
 // Writes the lengths of edges.
-VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, std::span<const Edge> edges,
+VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, std::span<const FoundEdge> edges,
                                        double* lengths) {
   for (std::size_t e = 0; e < edges.size(); ++e)
     lengths[e] = norm(mesh.positions[edges[e].larger] - mesh.positions[edges[e].smaller]);
@@ -143,23 +143,23 @@ class RangeSurveyor {
       add_corner(c - first, {b, a});
     }
   }
-  void add_corner(std::size_t vertex, Corner corner) {
+  void add_corner(std::size_t vertex, FanCorner corner) {
     if (vertex < end_of_.size()) corners_[end_of_[vertex]++] = corner;
   }
 
   // Step 3.
-  void survey_vertex(std::uint32_t v, std::span<Corner> corners) {
+  void survey_vertex(std::uint32_t v, std::span<FanCorner> corners) {
     if (corners.empty()) return;
     ++found_.used_vertices;
     if (!is_closed_fan(v, corners)) {
       judge_edges(v, corners);
       return;
     }
-    for (const Corner& corner : corners)
+    for (const FanCorner& corner : corners)
       if (part_->is_smaller(v, corner.next)) add_edge(v, corner.next);
   }
 
-  void judge_edges(std::uint32_t v, std::span<const Corner> corners) {
+  void judge_edges(std::uint32_t v, std::span<const FanCorner> corners) {
     found_.manifold = false;
     ends_.clear();
     for (const auto& [previous, next] : corners) {
@@ -190,9 +190,9 @@ class RangeSurveyor {
   WhileSurveying also_;
   PartSurvey found_{true, true, true, true, 0, 0};
   Buffer<std::uint32_t> end_of_;  // by vertex of the range
-  Buffer<Corner> corners_;        // of the range, by vertex
+  Buffer<FanCorner> corners_;     // of the range, by vertex
   std::vector<EdgeEnd> ends_;     // of one vertex
-  std::vector<Edge> edges_;       // of the range
+  std::vector<FoundEdge> edges_;  // of the range
   Buffer<double> lengths_;        // of edges_
 };
 

@@ -24,14 +24,15 @@ namespace vdwmesh {
 inline constexpr std::size_t kBlock = 1024;
 
 // The sequential loop over one block. It is compiled for two processor versions (multiversion.hpp),
-// and the body is inlined into both.
+// and the body is inlined into both. It is static because GCC 14 ends with an internal error
+// otherwise.
 template <class Body>
-VDWMESH_MULTIVERSION void run_block(std::size_t begin, std::size_t end, const Body& body) {
+VDWMESH_MULTIVERSION static void run_block(std::size_t begin, std::size_t end, const Body& body) {
   for (std::size_t i = begin; i != end; ++i) body(i);
 }
 template <class Total, class Body>
-VDWMESH_MULTIVERSION void run_block(std::size_t begin, std::size_t end, const Body& body,
-                                    Total& total) {
+VDWMESH_MULTIVERSION static void run_block(std::size_t begin, std::size_t end, const Body& body,
+                                           Total& total) {
   for (std::size_t i = begin; i != end; ++i) body(i, total);
 }
 

@@ -6,7 +6,7 @@
 #include "core/workspace.hpp"
 #include "distributed/chosen_spheres.hpp"
 #include "refine/refiner.hpp"
-#include "refine/target_surface.hpp"
+#include "refine/surface_view.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -23,7 +23,7 @@ class NearSurface {
   void cover(double lower, double upper, double reach);
 
   // Labels that it makes or takes name spheres of the whole set. Precondition: cover().
-  const TargetSurface& surface() const { return *surface_; }
+  const SurfaceView& surface() const { return *surface_; }
 
  private:
   void choose_spheres(double lower, double upper);
@@ -36,7 +36,7 @@ class NearSurface {
   SphereSet near_set_;  // a view of near_
   Workspace workspace_;
   Buffer<SphereId> ids_;  // by list place: id in the whole set
-  std::optional<TargetSurface> surface_;
+  std::optional<SurfaceView> surface_;
 };
 
 }  // namespace vdwmesh

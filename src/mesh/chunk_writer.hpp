@@ -1,8 +1,7 @@
 // A write buffer between the writers of mesh files and a ByteSink, so that the sink gets few large
-// writes. Also the access to vertices and faces that all writers need.
+// writes.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <string_view>
@@ -10,7 +9,6 @@
 #include "core/buffer.hpp"
 #include "mesh/output_file.hpp"
 #include "mesh/record_writer.hpp"
-#include "mesh/surface_mesh.hpp"
 
 namespace vdwmesh::formats {
 
@@ -49,19 +47,5 @@ class ChunkWriter : public RecordBytes {
   ByteSink& sink_;
   Buffer<char> buffer_;
 };
-
-// The vertices of a face in order. The first is the start of the half-edge that OpenMesh keeps for
-// the face.
-inline std::array<std::uint32_t, 3> face_vertices(const SurfaceMesh& mesh, std::size_t face) {
-  const auto h = mesh.halfedge_handle(OpenMesh::FaceHandle(static_cast<int>(face)));
-  const auto index = [&](OpenMesh::HalfedgeHandle to) {
-    return static_cast<std::uint32_t>(mesh.to_vertex_handle(to).idx());
-  };
-  return {index(mesh.prev_halfedge_handle(h)), index(h), index(mesh.next_halfedge_handle(h))};
-}
-
-inline OpenMesh::VertexHandle vertex_handle(std::size_t v) {
-  return OpenMesh::VertexHandle(static_cast<int>(v));
-}
 
 }  // namespace vdwmesh::formats

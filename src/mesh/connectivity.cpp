@@ -1,13 +1,11 @@
 // Builds OpenMesh's half-edge structure in bulk, from triangles and their opposite half-edges.
 // add_face(), OpenMesh's own way, works on one thread and searches around vertices for each face.
 // Here the steps are: number the edges by counting and a prefix sum; check that the triangles
-// around each vertex are one fan, while other threads allocate the arrays; link faces and vertices
-// in parallel; link the boundary on one thread, as boundaries are short. SurfaceMeshBuilder calls
-// connect().
+// around each vertex are one fan; link faces and vertices in parallel; link the boundary on one
+// thread, as boundaries are short. to_surface_mesh() calls connect().
 #include "mesh/connectivity.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <atomic>
@@ -17,9 +15,7 @@
 #include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
 #include "mesh/edge_buckets.hpp"
-#include "mesh/half_edge_limit.hpp"
 #include "mesh/surface_handles.hpp"
-#include "mesh/surface_room.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -44,19 +40,12 @@ class Connector {
         opposite_(opposite),
         vertex_count_(vertex_count) {}
 
-  // choose_outgoing() and check_fans() use input numbers alone, so they run beside make_room(),
-  // which allocates the arrays of the mesh.
   void run(Opposites origin) {
     if (origin == Opposites::given) check_opposite();
     number_edges();
-    tbb::parallel_invoke(
-        [&] {
-          choose_outgoing();
-          check_fans();
-        },
-        [&] {
-          make_room(mesh_, {vertex_count_, edge_count_, triangles_.size()});
-        });
+    choose_outgoing();
+    check_fans();
+    mesh_.resize(vertex_count_, edge_count_, triangles_.size());
     link_faces();
     link_vertices();
     handle_of_ = Buffer<std::uint32_t>();  // frees the memory, as {} would not

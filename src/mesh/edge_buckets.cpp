@@ -8,15 +8,16 @@
 // edges and their faces with it.
 #include "mesh/edge_buckets.hpp"
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "core/errors.hpp"
 #include "core/large_pages.hpp"
 #include "mesh/groups_by_range.hpp"
-#include "mesh/half_edge_limit.hpp"
 #include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
@@ -137,6 +138,14 @@ void fill_on_all_cores(std::span<const Triangle> triangles, std::span<std::uint3
 }
 
 }  // namespace
+
+void check_triangle_count(std::size_t triangles) {
+  if (triangles <= kMaxSurfaceHalfEdges / 3) return;
+  throw LimitExceeded(fmt::format(
+      "{} triangles have more than the {} half-edges a mesh can hold; a coarser spacing "
+      "makes fewer",
+      triangles, kMaxSurfaceHalfEdges));
+}
 
 EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex_count) {
   check_triangle_count(triangles.size());

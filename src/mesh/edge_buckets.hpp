@@ -15,6 +15,12 @@
 
 namespace vdwmesh {
 
+// The most half-edges that a SurfaceMesh can have, because OpenMesh's handles are of type int.
+inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
+
+// Throws LimitExceeded for triangles that have more half-edges than that.
+void check_triangle_count(std::size_t triangles);
+
 // The half-edges after and before h = 3t + k in its triangle t.
 constexpr std::uint32_t next_in_triangle(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 constexpr std::uint32_t previous_in_triangle(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }

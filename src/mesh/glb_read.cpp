@@ -19,7 +19,6 @@
 
 #include "core/errors.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/mesh_assembly.hpp"
 
 namespace vdwmesh::formats {
 namespace {
@@ -220,11 +219,11 @@ void for_each_instance(const tinygltf::Model& model, const tinygltf::Node& node,
   if (extension == node.extensions.end()) return visit(Transform{});
   const tinygltf::Value& attributes = extension->second.Get("attributes");
   tinygltf::Node place;  // of one instance
-  struct Part {
+  struct ReadPart {
     std::vector<double>& values;
     AccessorView source;
   };
-  std::vector<Part> parts;
+  std::vector<ReadPart> parts;
   const auto find = [&](const char* name, std::vector<double>& values, int dimension) {
     if (!attributes.IsObject() || !attributes.Has(name)) return;
     const tinygltf::Value& accessor = attributes.Get(name);
@@ -236,11 +235,11 @@ void for_each_instance(const tinygltf::Model& model, const tinygltf::Node& node,
   find("ROTATION", place.rotation, 4);
   find("SCALE", place.scale, 3);
   if (parts.empty()) fail(fmt::format("{} without places of instances", kInstancing));
-  for (const Part& part : parts)
+  for (const ReadPart& part : parts)
     if (part.source.count != parts[0].source.count)
       fail(fmt::format("{} with attributes of different counts", kInstancing));
   for (std::size_t i = 0; i < parts[0].source.count; ++i) {
-    for (const Part& part : parts)
+    for (const ReadPart& part : parts)
       for (std::size_t k = 0; k < part.values.size(); ++k)
         part.values[k] = double{part.source.number(i, k)};
     visit(transform_of(place));

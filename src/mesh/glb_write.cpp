@@ -42,27 +42,26 @@ struct Box3 {
 };
 
 // The bounding box of all vertices; a mesh without any has a box at the origin.
-Box3 box_of(const SurfaceMesh& mesh) {
-  if (mesh.n_vertices() == 0) return {{0, 0, 0}, {0, 0, 0}};
+Box3 box_of(const IndexedMesh& mesh) {
+  if (mesh.vertex_count() == 0) return {{0, 0, 0}, {0, 0, 0}};
   constexpr double kHuge = std::numeric_limits<double>::max();
   Box3 box{{kHuge, kHuge, kHuge}, {-kHuge, -kHuge, -kHuge}};
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
+  for (const Vec3d& p : mesh.positions)
     for (int axis = 0; axis < 3; ++axis) {
-      const double x = mesh.point(vertex_handle(v))[static_cast<unsigned>(axis)];
-      box.lower[axis] = std::min(box.lower[axis], x);
-      box.upper[axis] = std::max(box.upper[axis], x);
+      box.lower[axis] = std::min(box.lower[axis], p[axis]);
+      box.upper[axis] = std::max(box.upper[axis], p[axis]);
     }
   return box;
 }
 
 // Bytes of the four arrays: positions, normals, colours, corners of the triangles.
-std::uint64_t binary_size(const SurfaceMesh& mesh) {
-  return (2 * kVectorSize + kColorSize) * std::uint64_t{mesh.n_vertices()} +
-         kTriangleSize * std::uint64_t{mesh.n_faces()};
+std::uint64_t binary_size(const IndexedMesh& mesh) {
+  return (2 * kVectorSize + kColorSize) * std::uint64_t{mesh.vertex_count()} +
+         kTriangleSize * std::uint64_t{mesh.triangle_count()};
 }
 
 // The header stores the size of the file as uint32.
-void check_size(const SurfaceMesh& mesh) {
+void check_size(const IndexedMesh& mesh) {
   const std::uint64_t bytes = binary_size(mesh) + kMaxJsonBytes;
   if (bytes > std::numeric_limits<std::uint32_t>::max())
     throw LimitExceeded(fmt::format(
@@ -76,8 +75,8 @@ Json as_json(const Vec3<T>& v) {
 
 // Adds the four arrays to the JSON, each as a buffer view and an accessor, in the order in which
 // write_arrays() writes them, and the mesh that uses them.
-void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
-  const std::uint64_t vertices = mesh.n_vertices(), faces = mesh.n_faces();
+void describe_arrays(const IndexedMesh& mesh, const Box3& box, Json& json) {
+  const std::uint64_t vertices = mesh.vertex_count(), faces = mesh.triangle_count();
   std::uint64_t offset = 0;
   // `offset` is where the next array begins in the binary chunk; 0 is the default and not written.
   const auto add = [&](std::uint64_t bytes, int target, Json accessor) {
@@ -118,12 +117,12 @@ void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
 }
 
 // The JSON chunk. It is padded with blanks to a multiple of 4 bytes, as the format demands.
-std::string json_of(const SurfaceMesh& mesh, const Box3& box) {
+std::string json_of(const IndexedMesh& mesh, const Box3& box) {
   Json json{{"asset", {{"version", "2.0"}, {"generator", "vdwmesh; lengths in angstrom"}}},
             {"scene", 0},
             {"scenes", {{{"nodes", {0}}}}},
             {"nodes", {{{"translation", as_json(box.middle())}}}}};
-  if (mesh.n_faces() > 0) {  // glTF has no empty buffers
+  if (mesh.triangle_count() > 0) {  // glTF has no empty buffers
     describe_arrays(mesh, box, json);
     json["nodes"][0]["mesh"] = 0;
   }
@@ -163,40 +162,39 @@ std::array<std::uint16_t, 256> linear_colors() {
 
 // Writes the arrays in the order of describe_arrays(). `origin` is the middle of the box. Colours
 // get a fourth number, for alpha.
-void write_arrays(const SurfaceMesh& mesh, const Vec3d& origin, ChunkWriter& out,
-                  Warnings& warnings) {
+void write_arrays(const MeshView& view, const Vec3d& origin, ChunkWriter& out, Warnings& warnings) {
   const auto for_each = [&](std::size_t count, const auto& write) {
     for (std::size_t i = 0; i < count; ++i) {
       out.begin_record();
       write(i);
     }
   };
+  const IndexedMesh& mesh = view.mesh;
   FloatLoss loss;
-  for_each(mesh.n_vertices(), [&](std::size_t v) {
-    const auto& p = mesh.point(vertex_handle(v));
-    out.raw(loss.round(Vec3d{p[0], p[1], p[2]} - origin));
-  });
+  for_each(mesh.vertex_count(),
+           [&](std::size_t v) { out.raw(loss.round(mesh.positions[v] - origin)); });
   loss.finish("GLB", warnings);
-  for_each(mesh.n_vertices(), [&](std::size_t v) { out.raw(mesh.normal(vertex_handle(v))); });
+  for_each(mesh.vertex_count(), [&](std::size_t v) { out.raw(view.normals[v]); });
   const std::array<std::uint16_t, 256> linear = linear_colors();
-  for_each(mesh.n_vertices(), [&](std::size_t v) {
-    const auto& c = mesh.color(vertex_handle(v));
+  for_each(mesh.vertex_count(), [&](std::size_t v) {
+    const RgbColor c = view.color(v);
     out.raw(std::array<std::uint16_t, 4>{linear[c[0]], linear[c[1]], linear[c[2]], 0xffff});
   });
-  for_each(mesh.n_faces(), [&](std::size_t f) { out.raw(face_vertices(mesh, f)); });
+  for_each(mesh.triangle_count(), [&](std::size_t f) { out.raw(mesh.triangles[f]); });
 }
 
 }  // namespace
 
-void write_glb(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
+void write_glb(const MeshView& view, ByteSink& sink, Warnings& warnings) {
+  const IndexedMesh& mesh = view.mesh;
   check_size(mesh);
   const Box3 box = box_of(mesh);
   const std::string json = json_of(mesh, box);
-  const std::uint64_t binary = mesh.n_faces() > 0 ? binary_size(mesh) : 0;
+  const std::uint64_t binary = mesh.triangle_count() > 0 ? binary_size(mesh) : 0;
   sink.expect(kHeaderSize + 2 * kChunkHeaderSize + json.size() + binary);
   ChunkWriter out(sink);
   write_header(json, binary, out);
-  if (binary > 0) write_arrays(mesh, box.middle(), out, warnings);
+  if (binary > 0) write_arrays(view, box.middle(), out, warnings);
   out.flush();
 }
 

@@ -26,41 +26,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_finite(const SurfaceMesh::Point& p) {
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+bool is_finite(const Vec3d& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// Throws unless the mesh is as the writers of formats.hpp may assume: nothing is deleted, and all
-// coordinates are finite. The loop in parallel only finds whether all is well; what is named is the
-// first vertex, for any number of threads.
-void check_writable(const SurfaceMesh& mesh) {
-  check_nothing_deleted(mesh);
-  std::atomic<bool> all_finite = true;
-  for_each_index(mesh.n_vertices(), [&](std::size_t v) {
-    if (!is_finite(mesh.point(OpenMesh::VertexHandle(static_cast<int>(v))))) all_finite = false;
-  });
-  if (all_finite) return;
-  for (const auto v : mesh.all_vertices()) {
-    const auto& p = mesh.point(v);
-    if (!is_finite(p))
-      throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v.idx(), p[0], p[1], p[2]));
-  }
-}
-
-// The same for a mesh without half-edges, whose spheres need colours.
-void check_writable(const IndexedMesh& mesh, std::size_t colors) {
+// Throws unless the mesh is as the writers of formats.hpp may assume. The loop in parallel only
+// finds whether all is well; the message names the first bad vertex, for any number of threads.
+void check_writable(const formats::MeshView& view) {
+  const IndexedMesh& mesh = view.mesh;
   check_array_sizes(mesh);
   check_triangles(mesh.triangles, mesh.vertex_count());
-  if (mesh.normals.size() != mesh.vertex_count())
-    throw InvalidInput(fmt::format("{} vertex normals, where {} are needed", mesh.normals.size(),
-                                   mesh.vertex_count()));
-  const auto is_finite_at = [&](std::size_t v) {
-    const Vec3d& p = mesh.positions[v];
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  if (view.patches) check_patches(*view.patches);
+  const std::size_t colors = view.sphere_colors.size();
+  const bool has_atoms = colors > 0 && !mesh.vertex_spheres.empty();
+  const auto atom_of = [&](std::size_t v) {
+    return has_atoms ? mesh.vertex_spheres.atoms[v] : kNoSphere;
   };
   const auto is_good = [&](std::size_t v) {
-    const SphereId atom = mesh.vertex_spheres.empty() ? kNoSphere : mesh.vertex_spheres[v][0];
-    return is_finite_at(v) && (atom == kNoSphere || atom < colors);
+    return is_finite(mesh.positions[v]) && (atom_of(v) == kNoSphere || atom_of(v) < colors);
   };
   std::atomic<bool> all_good = true;
   for_each_index(mesh.vertex_count(), [&](std::size_t v) {
@@ -70,27 +53,59 @@ void check_writable(const IndexedMesh& mesh, std::size_t colors) {
   std::size_t v = 0;
   while (is_good(v)) ++v;
   const Vec3d& p = mesh.positions[v];
-  if (!is_finite_at(v))
-    throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v, p.x, p.y, p.z));
-  throw InvalidInput(fmt::format("vertex {} lies on sphere {}, but there are {} colours", v,
-                                 mesh.vertex_spheres[v][0], colors));
+  if (!is_finite(p)) throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v, p.x, p.y, p.z));
+  throw InvalidInput(
+      fmt::format("vertex {} lies on sphere {}, but there are {} colours", v, atom_of(v), colors));
 }
 
-void write(const SurfaceMesh& mesh, MeshFormat format, ByteSink& sink,
-           formats::Warnings& warnings) {
-  check_writable(mesh);
+// The mesh gets the normals of its triangles if the format has normals and the mesh has none.
+formats::Warnings write(formats::MeshView view, MeshFormat format, ByteSink& sink) {
+  check_writable(view);
+  Buffer<Vec3f> normals;
+  if (view.mesh.normals.empty() && format != MeshFormat::off && format != MeshFormat::stl) {
+    normals = normals_of_triangles(view.mesh);
+  }
+  view.normals = normals.empty() ? std::span(view.mesh.normals) : std::span(normals);
+  formats::Warnings warnings;
   switch (format) {
     case MeshFormat::ply:
-      return formats::write_ply(mesh, sink);
+      formats::write_ply(view, sink);
+      break;
     case MeshFormat::obj:
-      return formats::write_obj(mesh, sink);
+      formats::write_obj(view, sink);
+      break;
     case MeshFormat::off:
-      return formats::write_off(mesh, sink);
+      formats::write_off(view, sink);
+      break;
     case MeshFormat::stl:
-      return formats::write_stl(mesh, sink, warnings);
+      formats::write_stl(view, sink, warnings);
+      break;
     case MeshFormat::glb:
-      return formats::write_glb(mesh, sink, warnings);
+      formats::write_glb(view, sink, warnings);
+      break;
   }
+  return warnings;
+}
+
+std::vector<std::string> write(const formats::MeshView& view, const fs::path& path,
+                               const Monitor* monitor) {
+  const MeshFormat format = mesh_format(path);
+  OutputFile file(path);
+  file.watch(monitor);
+  std::vector<std::string> warnings = write(view, format, file);
+  file.commit();
+  return warnings;
+}
+
+// Calls use(view) with a view of a half-edge mesh, which has a colour for each vertex.
+template <class Use>
+auto with_view(const SurfaceMesh& mesh, const Use& use) {
+  const IndexedMesh arrays = to_indexed_mesh(mesh);
+  const std::span colors(mesh.vertex_colors(), mesh.n_vertices());
+  std::vector<RgbColor> copied;
+  copied.reserve(colors.size());
+  for (const SurfaceMesh::Color& c : colors) copied.push_back({c[0], c[1], c[2]});
+  return use(formats::MeshView{.mesh = arrays, .vertex_colors = copied});
 }
 
 // A file open for reading. The destructor closes it, also after an exception.
@@ -170,31 +185,36 @@ MeshFormat mesh_format(const fs::path& path) {
                                  path.string()));
 }
 
-std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& path,
+std::vector<std::string> write_mesh(const IndexedMesh& mesh, const fs::path& path,
+                                    std::span<const RgbColor> sphere_colors,
                                     const Monitor* monitor) {
-  const MeshFormat format = mesh_format(path);
-  formats::Warnings warnings;
-  OutputFile file(path);
-  file.watch(monitor);
-  write(mesh, format, file, warnings);
-  file.commit();
-  return warnings;
+  return write({.mesh = mesh, .sphere_colors = sphere_colors}, path, monitor);
 }
 
-void write_ply(const IndexedMesh& mesh, std::span<const RgbColor> colors, const fs::path& path,
-               const Monitor* monitor) {
-  check_writable(mesh, colors.size());
-  OutputFile file(path);
-  file.watch(monitor);
-  formats::write_ply(mesh, colors, file);
-  file.commit();
+std::vector<std::string> write_mesh(const PatchedMesh& mesh, const fs::path& path,
+                                    std::span<const RgbColor> sphere_colors,
+                                    const Monitor* monitor) {
+  return write({.mesh = mesh.mesh, .sphere_colors = sphere_colors, .patches = &mesh}, path,
+               monitor);
+}
+
+std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& path,
+                                    const Monitor* monitor) {
+  return with_view(mesh, [&](const auto& view) { return write(view, path, monitor); });
+}
+
+EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format) {
+  StringSink sink;
+  formats::Warnings warnings = write({.mesh = mesh}, format, sink);
+  return {std::move(sink).take(), std::move(warnings)};
 }
 
 EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format) {
-  formats::Warnings warnings;
-  StringSink sink;
-  write(mesh, format, sink, warnings);
-  return {std::move(sink).take(), std::move(warnings)};
+  return with_view(mesh, [&](const auto& view) {
+    StringSink sink;
+    formats::Warnings warnings = write(view, format, sink);
+    return EncodedMesh{std::move(sink).take(), std::move(warnings)};
+  });
 }
 
 MeshFile read_mesh(const fs::path& path, std::uint64_t memory_limit) {

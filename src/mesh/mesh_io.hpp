@@ -14,7 +14,7 @@
 #include "core/monitor.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/surface_mesh.hpp"
-#include "surface/indexed_mesh.hpp"
+#include "surface/surface_patch.hpp"
 
 namespace vdwmesh {
 
@@ -33,18 +33,22 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 //        colours in linear light, which glTF wants, on a material that is no metal.
 // Returns warnings for people: coordinates that move by more than 1e-4 Å when they become float32
 // (STL, GLB), and triangles of which two corners become equal (STL).
+// A vertex has the colour of its atom, sphere_colors[i] for sphere i, and kPlainColor without an
+// atom or if there are no colours. A mesh without normals gets those of its triangles.
 // Throws FileFormatError if the file cannot be written (no part of it is left), InvalidInput if the
-// mesh has deleted elements or coordinates that are not finite, LimitExceeded if the format cannot
-// count or number the elements, and Cancelled if `monitor` asks to stop.
+// arrays do not fit together, a coordinate is not finite or a sphere has no colour, LimitExceeded
+// if the format cannot count or number the elements, and Cancelled if `monitor` asks to stop.
+std::vector<std::string> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
+                                    std::span<const RgbColor> sphere_colors = {},
+                                    const Monitor* monitor = nullptr);
+// PLY alone says which patch each triangle is part of, and the curvatures of the vertices.
+std::vector<std::string> write_mesh(const PatchedMesh& mesh, const std::filesystem::path& path,
+                                    std::span<const RgbColor> sphere_colors = {},
+                                    const Monitor* monitor = nullptr);
+// With the normals and colours that the vertices have. Throws InvalidInput if an element is
+// deleted.
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path,
                                     const Monitor* monitor = nullptr);
-
-// Writes the PLY file that write_mesh() writes of the SurfaceMesh of the same mesh, byte for byte,
-// without one: colors[i] is the colour of sphere i, where color_by_element() takes its element.
-// Throws as write_mesh() does, and InvalidInput if the mesh has no normals or names a sphere that
-// has no colour.
-void write_ply(const IndexedMesh& mesh, std::span<const RgbColor> colors,
-               const std::filesystem::path& path, const Monitor* monitor = nullptr);
 
 // The content of a mesh file, which any program may have written. The triangles may have a
 // boundary, be no manifold or face inwards.
@@ -65,6 +69,7 @@ struct EncodedMesh {
   std::string bytes;
   std::vector<std::string> warnings;
 };
+EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format);
 EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format);
 MeshFile decode_mesh(std::string_view bytes, MeshFormat format,
                      std::uint64_t memory_limit = kNoMemoryLimit);

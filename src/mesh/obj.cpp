@@ -14,8 +14,6 @@
 #include "core/errors.hpp"
 #include "mesh/chunk_writer.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/mesh_assembly.hpp"
-#include "mesh/plain_text.hpp"
 #include "mesh/polygons.hpp"
 #include "mesh/text_scanner.hpp"
 
@@ -138,9 +136,10 @@ class ObjReader {
 
 }  // namespace
 
-void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
+void write_obj(const MeshView& view, ByteSink& sink) {
+  const IndexedMesh& mesh = view.mesh;
   // An estimate for full doubles and floats per vertex, and six 7-digit indices per face.
-  sink.expect(96 * mesh.n_vertices() + 52 * mesh.n_faces());
+  sink.expect(96 * mesh.vertex_count() + 52 * mesh.triangle_count());
   constexpr std::string_view kHeader = "# made by vdwmesh; lengths in angstrom\n";
   sink.write(kHeader.data(), kHeader.size());
   constexpr std::size_t kMostPerVector = 3 * (RecordBytes::kMostPerNumber + 1) + 3;
@@ -150,21 +149,20 @@ void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
   const auto write_vector = [](RecordBytes& out, char kind, const auto& vector) {
     out.character('v');
     if (kind != ' ') out.character(kind);
-    for (unsigned k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k) {
       out.character(' ');
       out.number(vector[k]);
     }
     out.character('\n');
   };
-  write_records(sink, mesh.n_vertices(), kMostPerVector, [&](RecordBytes& out, std::size_t v) {
-    write_vector(out, ' ', mesh.point(vertex_handle(v)));
+  write_records(sink, mesh.vertex_count(), kMostPerVector, [&](RecordBytes& out, std::size_t v) {
+    write_vector(out, ' ', mesh.positions[v]);
   });
-  write_records(sink, mesh.n_vertices(), kMostPerVector, [&](RecordBytes& out, std::size_t v) {
-    write_vector(out, 'n', mesh.normal(vertex_handle(v)));
-  });
-  write_records(sink, mesh.n_faces(), kMostPerFace, [&](RecordBytes& out, std::size_t f) {
+  write_records(sink, mesh.vertex_count(), kMostPerVector,
+                [&](RecordBytes& out, std::size_t v) { write_vector(out, 'n', view.normals[v]); });
+  write_records(sink, mesh.triangle_count(), kMostPerFace, [&](RecordBytes& out, std::size_t f) {
     out.character('f');
-    for (const std::uint32_t v : face_vertices(mesh, f)) {
+    for (const std::uint32_t v : mesh.triangles[f]) {
       out.character(' ');
       out.number(v + 1);
       out.character('/');

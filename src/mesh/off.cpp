@@ -12,11 +12,10 @@
 #include <algorithm>
 
 #include "core/errors.hpp"
-#include "mesh/chunk_writer.hpp"
+#include "mesh/edge_buckets.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/mesh_assembly.hpp"
-#include "mesh/plain_text.hpp"
 #include "mesh/polygons.hpp"
+#include "mesh/record_writer.hpp"
 #include "mesh/text_scanner.hpp"
 
 namespace vdwmesh::formats {
@@ -144,25 +143,39 @@ class OffReader {
   std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };
 
+// From the opposite half-edges if the mesh has them.
+std::size_t count_edges(const IndexedMesh& mesh) {
+  std::size_t edges = 0;
+  if (!mesh.opposite.empty()) {
+    for (std::size_t h = 0; h < mesh.opposite.size(); ++h) edges += h < mesh.opposite[h];
+    return edges;
+  }
+  const EdgeBuckets buckets(mesh.triangles, mesh.vertex_count());
+  for (std::size_t v = 0; v < buckets.vertex_count(); ++v)
+    for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry>) { ++edges; });
+  return edges;
+}
+
 }  // namespace
 
-void write_off(const SurfaceMesh& mesh, ByteSink& sink) {
+void write_off(const MeshView& view, ByteSink& sink) {
+  const IndexedMesh& mesh = view.mesh;
   // An estimate: three doubles of about 18 characters per vertex, three 7-digit indices per face.
-  sink.expect(58 * mesh.n_vertices() + 27 * mesh.n_faces());
-  const std::string header = fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n",
-                                         mesh.n_vertices(), mesh.n_faces(), mesh.n_edges());
+  sink.expect(58 * mesh.vertex_count() + 27 * mesh.triangle_count());
+  const std::string header =
+      fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n", mesh.vertex_count(),
+                  mesh.triangle_count(), count_edges(mesh));
   sink.write(header.data(), header.size());
   constexpr std::size_t kMostPerLine = 3 * (RecordBytes::kMostPerNumber + 1) + 2;
-  write_records(sink, mesh.n_vertices(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {
-    const auto& p = mesh.point(vertex_handle(v));
-    for (unsigned k = 0; k < 3; ++k) {
-      out.number(p[k]);
+  write_records(sink, mesh.vertex_count(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {
+    for (int k = 0; k < 3; ++k) {
+      out.number(mesh.positions[v][k]);
       out.character(k < 2 ? ' ' : '\n');
     }
   });
-  write_records(sink, mesh.n_faces(), kMostPerLine, [&](RecordBytes& out, std::size_t f) {
+  write_records(sink, mesh.triangle_count(), kMostPerLine, [&](RecordBytes& out, std::size_t f) {
     out.character('3');
-    for (const std::uint32_t v : face_vertices(mesh, f)) {
+    for (const std::uint32_t v : mesh.triangles[f]) {
       out.character(' ');
       out.number(v);
     }

@@ -19,8 +19,6 @@
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/mesh_assembly.hpp"
-#include "mesh/plain_text.hpp"
 #include "mesh/ply_header.hpp"
 #include "mesh/polygons.hpp"
 #include "mesh/text_scanner.hpp"

@@ -1,18 +1,14 @@
-// Writers of PLY, the only format here that keeps everything a SurfaceMesh has: double positions,
+// Writer of PLY, the only format here that keeps everything a mesh has: double positions,
 // normals, colours, the sphere ids of vertices and faces, and patches with their curvatures. The
 // file is binary little-endian. The order of the properties in kHeader is the order in which
 // write_ply_vertex() and write_ply_face() append the values.
 #include <fmt/format.h>
 
 #include <limits>
-#include <optional>
 #include <string>
 
 #include "core/errors.hpp"
-#include "mesh/chunk_writer.hpp"
-#include "mesh/element_color.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/patch_properties.hpp"
 #include "mesh/ply_records.hpp"
 #include "mesh/record_writer.hpp"
 
@@ -21,7 +17,7 @@ namespace {
 
 // A format string for seven values: comments on faces and on patches, number of vertices,
 // curvatures of vertices, number of faces, type of their indices, properties of faces. Texts are
-// empty for what the mesh does not have: face_spheres() or patch_properties().
+// empty for what the mesh does not have: spheres of triangles, or patches.
 constexpr const char* kHeader =
     "ply\n"
     "format binary_little_endian 1.0\n"
@@ -82,52 +78,33 @@ std::int32_t ply_sphere(SphereId id) {
   return static_cast<std::int32_t>(id);
 }
 
-void write_ply(const IndexedMesh& mesh, std::span<const RgbColor> colors, ByteSink& sink) {
+void write_ply(const MeshView& view, ByteSink& sink) {
+  const IndexedMesh& mesh = view.mesh;
+  const PatchedMesh* const patched = view.patches;
   const TriangleLabels labels = mesh.triangle_labels();
-  const std::string header = ply_header({mesh.vertex_count(), mesh.triangle_count()}, labels);
-  const std::uint64_t face_bytes = ply_face_bytes(labels);
-  sink.expect(header.size() + kPlyVertexBytes * mesh.vertex_count() +
+  const std::string header = ply_header({mesh.vertex_count(), mesh.triangle_count()}, labels,
+                                        patched ? PatchLabels::patches : PatchLabels::none);
+  const std::uint64_t vertex_bytes = kPlyVertexBytes + (patched ? kPlyCurvatureBytes : 0);
+  const std::uint64_t face_bytes = ply_face_bytes(labels) + (patched ? kPlyPatchBytes : 0);
+  sink.expect(header.size() + vertex_bytes * mesh.vertex_count() +
               face_bytes * mesh.triangle_count());
   sink.write(header.data(), header.size());
   const bool labelled = !mesh.vertex_spheres.empty();
-  write_records(sink, mesh.vertex_count(), kPlyVertexBytes, [&](RecordBytes& out, std::size_t v) {
+  const VertexCurvatures curvatures = patched ? vertex_curvatures(*patched) : VertexCurvatures{};
+  write_records(sink, mesh.vertex_count(), vertex_bytes, [&](RecordBytes& out, std::size_t v) {
     const VertexSpheres spheres = labelled ? mesh.vertex_spheres[v] : on_sphere(kNoSphere);
-    const RgbColor color = spheres[0] == kNoSphere ? kPlainColor : colors[spheres[0]];
-    write_ply_vertex(out, mesh.positions[v], mesh.normals[v], color, spheres);
+    write_ply_vertex(out, mesh.positions[v], view.normals[v], view.color(v), spheres);
+    if (!patched) return;
+    out.raw(curvatures.mean[v]);
+    out.raw(curvatures.gaussian[v]);
   });
   write_records(sink, mesh.triangle_count(), face_bytes, [&](RecordBytes& out, std::size_t t) {
     write_ply_face(out, mesh.triangles[t]);
     if (labels == TriangleLabels::spheres) out.raw(ply_sphere(mesh.triangle_spheres[t]));
-  });
-}
-
-void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
-  const std::optional<FaceSphereProperty> sphere = face_spheres(mesh);
-  const std::optional<PatchProperties> patches = patch_properties(mesh);
-  const TriangleLabels labels = sphere ? TriangleLabels::spheres : TriangleLabels::none;
-  const std::string header = ply_header({mesh.n_vertices(), mesh.n_faces()}, labels,
-                                        patches ? PatchLabels::patches : PatchLabels::none);
-  const std::uint64_t vertex_bytes = kPlyVertexBytes + (patches ? kPlyCurvatureBytes : 0);
-  const std::uint64_t face_bytes = ply_face_bytes(labels) + (patches ? kPlyPatchBytes : 0);
-  sink.expect(header.size() + vertex_bytes * mesh.n_vertices() + face_bytes * mesh.n_faces());
-  sink.write(header.data(), header.size());
-  const VertexSpheresProperty spheres = vertex_spheres(mesh);
-  write_records(sink, mesh.n_vertices(), vertex_bytes, [&](RecordBytes& out, std::size_t i) {
-    const auto v = vertex_handle(i);
-    write_ply_vertex(out, mesh.point(v), mesh.normal(v), mesh.color(v), mesh.property(spheres, v));
-    if (patches) {
-      out.raw(mesh.property(patches->mean_curvature, v));
-      out.raw(mesh.property(patches->gaussian_curvature, v));
-    }
-  });
-  write_records(sink, mesh.n_faces(), face_bytes, [&](RecordBytes& out, std::size_t i) {
-    const OpenMesh::FaceHandle f(static_cast<int>(i));
-    write_ply_face(out, face_vertices(mesh, i));
-    if (sphere) out.raw(ply_sphere(mesh.property(*sphere, f)));
-    if (patches) {
-      out.raw(static_cast<std::uint8_t>(mesh.property(patches->kind, f)));
-      for (const SphereId id : mesh.property(patches->atoms, f)) out.raw(ply_sphere(id));
-    }
+    if (!patched) return;
+    const SurfacePatch& patch = patched->patches[patched->triangle_patch[t]];
+    out.raw(static_cast<std::uint8_t>(patch.kind));
+    for (const SphereId id : patch.atoms) out.raw(ply_sphere(id));
   });
 }
 

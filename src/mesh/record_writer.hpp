@@ -60,7 +60,7 @@ void write_records(ByteSink& sink, std::size_t count, std::size_t most_bytes,
   const std::size_t buffer_bytes = per_block * most_bytes;
   Buffer<char> memory(std::min(buffers, blocks) * buffer_bytes);
 
-  struct Block {
+  struct FormattedBlock {
     const char* bytes;
     std::size_t size;
   };
@@ -74,15 +74,16 @@ void write_records(ByteSink& sink, std::size_t count, std::size_t most_bytes,
     RecordBytes out(bytes);
     const std::size_t end = std::min(count, (block + 1) * per_block);
     for (std::size_t i = block * per_block; i < end; ++i) format(out, i);
-    return Block{bytes, static_cast<std::size_t>(out.end() - bytes)};
+    return FormattedBlock{bytes, static_cast<std::size_t>(out.end() - bytes)};
   };
-  const auto write = [&](const Block& block) { sink.write(block.bytes, block.size); };
+  const auto write = [&](const FormattedBlock& block) { sink.write(block.bytes, block.size); };
   // Isolated: while this thread waits, it takes no other work, which could be long.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_pipeline(
-        buffers, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, deal) &
-                     tbb::make_filter<std::size_t, Block>(tbb::filter_mode::parallel, make) &
-                     tbb::make_filter<Block, void>(tbb::filter_mode::serial_in_order, write));
+        buffers,
+        tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, deal) &
+            tbb::make_filter<std::size_t, FormattedBlock>(tbb::filter_mode::parallel, make) &
+            tbb::make_filter<FormattedBlock, void>(tbb::filter_mode::serial_in_order, write));
   });
 }
 

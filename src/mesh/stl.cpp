@@ -18,8 +18,6 @@
 #include "mesh/chunk_writer.hpp"
 #include "mesh/float_loss.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/mesh_assembly.hpp"
-#include "mesh/plain_text.hpp"
 #include "mesh/polygons.hpp"
 #include "mesh/text_scanner.hpp"
 #include "mesh/vertex_welder.hpp"
@@ -148,26 +146,22 @@ bool begins_as_text(std::string_view bytes) {
 
 }  // namespace
 
-void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
-  sink.expect(kFirstTriangle + kTriangleSize * mesh.n_faces());
+void write_stl(const MeshView& view, ByteSink& sink, Warnings& warnings) {
+  const IndexedMesh& mesh = view.mesh;
+  sink.expect(kFirstTriangle + kTriangleSize * mesh.triangle_count());
   ChunkWriter out(sink);
   std::string header = "binary STL made by vdwmesh; lengths in angstrom";
   header.resize(kHeaderSize);
   out.text(header);
-  out.raw(static_cast<std::uint32_t>(mesh.n_faces()));
+  out.raw(static_cast<std::uint32_t>(mesh.triangle_count()));
   FloatLoss loss;
   std::uint64_t collapsed = 0;  // triangles with two corners that become equal as floats
-  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
-    std::array<Vec3d, 3> corners;
-    const auto vertices = face_vertices(mesh, f);
-    for (unsigned k = 0; k < 3; ++k) {
-      const auto& p = mesh.point(vertex_handle(vertices[k]));
-      corners[k] = {p[0], p[1], p[2]};
-    }
+  for (std::size_t f = 0; f < mesh.triangle_count(); ++f) {
+    const auto [i, j, k] = mesh.triangles[f];
+    const Vec3d &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
     out.begin_record();
-    out.raw(unit_normal(corners[0], corners[1], corners[2]));
-    const std::array<Vec3f, 3> rounded{loss.round(corners[0]), loss.round(corners[1]),
-                                       loss.round(corners[2])};
+    out.raw(unit_normal(a, b, c));
+    const std::array<Vec3f, 3> rounded{loss.round(a), loss.round(b), loss.round(c)};
     out.raw(rounded);
     out.raw(std::uint16_t{0});
     collapsed += rounded[0] == rounded[1] || rounded[1] == rounded[2] || rounded[2] == rounded[0];

@@ -1,24 +1,81 @@
-// Access to the sphere properties of a SurfaceMesh, and its conversion back to an IndexedMesh.
+// Access to the sphere properties of a SurfaceMesh, and its conversion from and to an IndexedMesh.
 //
-// to_surface_mesh() hands its work to SurfaceMeshBuilder. to_indexed_mesh() copies vertices and
-// faces on all cores. The first corner of a triangle is the start of the half-edge that OpenMesh
-// keeps for the face, so converting a mesh there and back keeps the order of its corners.
+// to_surface_mesh() takes four steps: check the sizes of all arrays; find the opposite half-edges
+// unless the source has them; link the half-edges (connectivity.cpp); copy positions, normals and
+// labels on all cores. to_indexed_mesh() copies vertices and faces on all cores. The first corner
+// of a triangle is the start of the half-edge that OpenMesh keeps for the face, so converting a
+// mesh there and back keeps the order of its corners.
 #include "mesh/surface_mesh.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
+#include <span>
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "mesh/connectivity.hpp"
+#include "mesh/edge_buckets.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/surface_handles.hpp"
-#include "mesh/surface_mesh_builder.hpp"
+#include "surface/triangle_check.hpp"
 
 namespace vdwmesh {
 
 using handles::face;
 using handles::vertex;
+
+namespace {
+
+// Until color_by_element() or the user sets another colour.
+const SurfaceMesh::Color kFirstColor{kPlainColor[0], kPlainColor[1], kPlainColor[2]};
+
+// OpenMesh's handles are of type int, which limits vertices and half-edges alike.
+void check_limits(std::size_t vertices, std::size_t triangles) {
+  constexpr auto kMaxHandle = static_cast<std::size_t>(std::numeric_limits<int>::max());
+  if (vertices > kMaxHandle || triangles > kMaxSurfaceHalfEdges / 3)
+    throw LimitExceeded(
+        fmt::format("{} vertices and {} triangles are more than OpenMesh's {} half-edges can "
+                    "hold; a coarser spacing makes fewer",
+                    vertices, triangles, kMaxSurfaceHalfEdges));
+}
+
+// The unit vector along a, or zero if a is zero or not a number.
+Vec3f unit(const Vec3d& a) {
+  const double length = norm(a);
+  if (!(length > 0)) return {0, 0, 0};
+  return {static_cast<float>(a.x / length), static_cast<float>(a.y / length),
+          static_cast<float>(a.z / length)};
+}
+
+void set_vertex_data(SurfaceMesh& mesh, const IndexedMesh& source, VertexSpheresProperty spheres) {
+  Buffer<Vec3f> computed;
+  if (source.normals.empty()) computed = normals_of_triangles(source);
+  const std::span normals = source.normals.empty() ? std::span<const Vec3f>(computed)
+                                                   : std::span<const Vec3f>(source.normals);
+  for_each_index(source.vertex_count(), [&](std::size_t v) {
+    const Vec3d& p = source.positions[v];
+    mesh.set_point(vertex(v), {p.x, p.y, p.z});
+    mesh.set_color(vertex(v), kFirstColor);
+    mesh.set_normal(vertex(v), {normals[v].x, normals[v].y, normals[v].z});
+    mesh.property(spheres, vertex(v)) =
+        source.vertex_spheres.empty() ? on_sphere(kNoSphere) : source.vertex_spheres[v];
+  });
+}
+
+// Adds the face property of face_spheres() if the source labels its triangles.
+void set_face_data(SurfaceMesh& mesh, const IndexedMesh& source) {
+  if (source.triangle_labels() == TriangleLabels::none) return;
+  FaceSphereProperty spheres;
+  mesh.add_property(spheres, kFaceSphereName);
+  for_each_index(source.triangle_count(), [&](std::size_t t) {
+    mesh.property(spheres, face(t)) = source.triangle_spheres[t];
+  });
+}
+
+}  // namespace
 
 VertexSpheresProperty vertex_spheres(const SurfaceMesh& mesh) {
   VertexSpheresProperty property;
@@ -52,9 +109,34 @@ void check_nothing_deleted(const SurfaceMesh& mesh) {
       throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", v.idx()));
 }
 
+// The sums run on one thread, because threads could add to the same vertex at the same time. Their
+// order, and so the result, is always the same.
+Buffer<Vec3f> normals_of_triangles(const IndexedMesh& mesh) {
+  Buffer<Vec3d> sums(mesh.vertex_count());
+  std::fill(sums.begin(), sums.end(), Vec3d{0, 0, 0});
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3d area =
+        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+    for (const std::uint32_t v : {a, b, c}) sums[v] = sums[v] + area;
+  }
+  Buffer<Vec3f> normals(sums.size());
+  for_each_index(sums.size(), [&](std::size_t v) { normals[v] = unit(sums[v]); });
+  return normals;
+}
+
 SurfaceMesh to_surface_mesh(const IndexedMesh& source) {
+  check_limits(source.vertex_count(), source.triangle_count());
+  check_array_sizes(source);
+  const bool given = !source.opposite.empty();
+  Buffer<std::uint32_t> computed;
+  if (!given) computed = opposite_half_edges(source.triangles, source.vertex_count());
   SurfaceMesh mesh;
-  SurfaceMeshBuilder(mesh).build(source);
+  VertexSpheresProperty spheres;
+  mesh.add_property(spheres, kVertexSpheresName);
+  connect(mesh, source.triangles, given ? std::span(source.opposite) : std::span(computed),
+          source.vertex_count(), given ? Opposites::given : Opposites::computed);
+  set_vertex_data(mesh, source, spheres);
+  set_face_data(mesh, source);
   return mesh;
 }
 

@@ -61,6 +61,10 @@ inline constexpr const char* kFaceSphereName = "f:sphere";
 // LimitExceeded beyond 2^31 - 1 half-edges.
 SurfaceMesh to_surface_mesh(const IndexedMesh& mesh);
 
+// A normal for each vertex: the sum of the area vectors of the triangles around it, normalised, so
+// large triangles weigh more; zero where there is none.
+Buffer<Vec3f> normals_of_triangles(const IndexedMesh& mesh);
+
 // The inverse of to_surface_mesh(): vertices and triangles in the order of their handles, with
 // `opposite` filled in. Throws InvalidInput if the mesh lacks the vertex property above or has
 // deleted elements.

@@ -7,7 +7,7 @@
 #include <bit>
 
 #include "core/large_pages.hpp"
-#include "mesh/mesh_assembly.hpp"
+#include "mesh/formats.hpp"
 
 namespace vdwmesh::formats {
 namespace {

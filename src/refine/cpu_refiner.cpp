@@ -9,7 +9,6 @@
 #include "refine/level.hpp"
 #include "refine/preparation.hpp"
 #include "refine/refiner.hpp"
-#include "refine/target_surface.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -17,15 +16,15 @@ namespace {
 // Computes the normals of all vertices from the target surface or, if triangles are labelled, from
 // the spheres of the vertex labels. Without projection the mesh keeps the normals that the levels
 // have interpolated, if any.
-void compute_normals(const SphereSet& spheres, const TargetSurface& surface, IndexedMesh& mesh) {
-  if (surface.projection() == Projection::none) return;
+void compute_normals(const SphereSet& spheres, const SurfaceView& surface, IndexedMesh& mesh) {
+  if (surface.projection == Projection::none) return;
   const bool constrained = mesh.triangle_labels() == TriangleLabels::spheres;
   mesh.normals.resize(mesh.vertex_count());
   for_all(mesh.vertex_count(), [&](std::size_t v) {
     const Vec3d& p = mesh.positions[v];
     const VertexSpheres label = mesh.vertex_spheres[v];
     mesh.normals[v] = constrained ? constrained_normal(spheres.spheres().data(), label.data(), p)
-                                  : surface.normal(p, label);
+                                  : surface.normal(p, label.data());
   });
 }
 
@@ -45,7 +44,7 @@ class CpuRefiner final : public Refiner {
     check_refinement(spheres, mesh, options);
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
     WorkspaceOfCall workspace(options.workspace);
-    const TargetSurface surface(spheres, options, mesh.triangle_labels(), workspace);
+    const SurfaceView surface = target_surface(spheres, options, mesh.triangle_labels(), workspace);
     RefineResult result;
     result.mesh = prepare_mesh(std::move(mesh), options);
     std::chrono::steady_clock::duration observed{};

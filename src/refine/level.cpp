@@ -81,7 +81,7 @@ MoveState put(const PlacedVertex& placed, std::size_t v, IndexedMesh& mesh) {
 }
 
 // Makes all midpoints of a mesh without triangle labels: projects them and takes bad moves back.
-ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
+ProjectionStats project_midpoints(const SphereSet& spheres, const SurfaceView& surface,
                                   const Midpoints& level, ParentOrigin origin, IndexedMesh& mesh,
                                   const RefineOptions& options) {
   // These numbers and this position are used below:
@@ -100,7 +100,7 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
         move_states[*i] = put(place_midpoint(surface, balls, ends_of(level, h), total),
                               level.midpoint_of(h), mesh);
       });
-  if (surface.projection() == Projection::none) return stats;
+  if (surface.projection == Projection::none) return stats;
   const auto restore = [&](std::size_t h) {
     const std::uint32_t v = level.midpoint_of(h);
     mesh.positions[v] = level.middle_of(h);
@@ -117,17 +117,17 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
 
 }  // namespace
 
-ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
+ProjectionStats project_given(const SphereSet& spheres, const SurfaceView& surface,
                               IndexedMesh& mesh, const RefineOptions& options) {
   ProjectionStats stats;
   const bool constrained = mesh.triangle_labels() == TriangleLabels::spheres;
-  if (constrained && surface.projection() != Projection::none) {
+  if (constrained && surface.projection != Projection::none) {
     // The given vertices of a mesh with labelled triangles stay where they are.
-    const SphereConstraint constraint(spheres, surface.projection());
+    const SphereConstraint constraint(spheres, surface.projection);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
       count_residual(constraint.residual(mesh.vertex_spheres[v], mesh.positions[v]), total);
     });
-  } else if (surface.projection() != Projection::none) {
+  } else if (surface.projection != Projection::none) {
     // Copies, from which vertices are put back.
     const Buffer<Vec3d> positions = mesh.positions;
     const VertexLabels labels = mesh.vertex_spheres;
@@ -150,7 +150,7 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
   return stats;
 }
 
-SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
+SubdividedMesh subdivide(const SphereSet& spheres, const SurfaceView& surface,
                          const IndexedMesh& parent, ParentOrigin origin, Connectivity connectivity,
                          const RefineOptions& options) {
   const Buffer<std::uint32_t> edge = number_edges(parent.opposite);
@@ -159,7 +159,7 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
   const Midpoints level{parent, edge, mesh};
   make_children(level, connectivity, mesh);
   child.stats = parent.triangle_labels() == TriangleLabels::spheres
-                    ? constrain_midpoints(SphereConstraint(spheres, surface.projection()), level,
+                    ? constrain_midpoints(SphereConstraint(spheres, surface.projection), level,
                                           mesh, options.monitor)
                     : project_midpoints(spheres, surface, level, origin, mesh, options);
   child.stats.turned = count_turned(spheres.spheres().data(), mesh, mesh.triangle_count());

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "refine/refiner.hpp"
-#include "refine/target_surface.hpp"
+#include "refine/surface_view.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
@@ -15,7 +15,7 @@ namespace vdwmesh {
 // Projects the vertices of a mesh that prepare_mesh() made, and takes back the bad moves. If the
 // triangles of the mesh are labelled, no vertex is moved; it is only counted how many lie on the
 // spheres of their labels.
-ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
+ProjectionStats project_given(const SphereSet& spheres, const SurfaceView& surface,
                               IndexedMesh& mesh, const RefineOptions& options);
 
 // Whether the mesh that is subdivided is itself the result of a subdivision. The search for
@@ -30,7 +30,7 @@ struct SubdividedMesh {
   IndexedMesh mesh;
   ProjectionStats stats;
 };
-SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
+SubdividedMesh subdivide(const SphereSet& spheres, const SurfaceView& surface,
                          const IndexedMesh& parent, ParentOrigin origin, Connectivity connectivity,
                          const RefineOptions& options);
 

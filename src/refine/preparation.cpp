@@ -256,4 +256,12 @@ CellListView projection_list(const SphereSet& spheres, const RefineOptions& opti
   return field_list(spheres, model, to_field ? options.frame : nullptr, workspace);
 }
 
+SurfaceView target_surface(const SphereSet& spheres, const RefineOptions& options,
+                           TriangleLabels labels, Workspace& workspace) {
+  return {.projection = options.projection,
+          .list = projection_list(spheres, options, labels, workspace),
+          .model = projection_model(options),
+          .spheres = spheres.spheres().data()};
+}
+
 }  // namespace vdwmesh

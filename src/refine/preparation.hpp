@@ -6,6 +6,7 @@
 #include "core/workspace.hpp"
 #include "extract/field.hpp"
 #include "refine/refiner.hpp"
+#include "refine/surface_view.hpp"
 #include "spheres/cell_list.hpp"
 #include "surface/indexed_mesh.hpp"
 
@@ -52,5 +53,10 @@ FieldModel projection_model(const RefineOptions& options);
 // like projection_model().
 CellListView projection_list(const SphereSet& spheres, const RefineOptions& options,
                              TriangleLabels labels, Workspace& workspace);
+
+// The surface that a CPU refinement projects to; project() must not be called where the list above
+// is empty. The arrays belong to `spheres` and `workspace`. Throws like projection_model().
+SurfaceView target_surface(const SphereSet& spheres, const RefineOptions& options,
+                           TriangleLabels labels, Workspace& workspace);
 
 }  // namespace vdwmesh

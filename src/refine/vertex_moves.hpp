@@ -15,7 +15,7 @@
 #include "refine/level_view.hpp"
 #include "refine/refiner.hpp"
 #include "refine/subdivision_formulas.hpp"
-#include "refine/target_surface.hpp"
+#include "refine/surface_view.hpp"
 
 namespace vdwmesh {
 
@@ -64,12 +64,12 @@ inline VertexSpheres label_of(const ProjectedPoint& p) {
 // outcome. A vertex that is on the surface already (`steps` is 0) keeps its position, and also its
 // label, if it lies on all the spheres that the label names. A vertex whose projection fails keeps
 // both.
-inline PlacedVertex place_given(const TargetSurface& surface, const Vec3d& start,
+inline PlacedVertex place_given(const SurfaceView& surface, const Vec3d& start,
                                 const VertexSpheres& label, double reach, ProjectionStats& stats) {
   const ProjectedPoint p = surface.project(start, reach);
   count_outcome(p, stats);
   if (p.outcome != ProjectionOutcome::converged) return {start, label, MoveState::stayed};
-  const bool keeps_label = p.steps == 0 && surface.on_label(p.position, label);
+  const bool keeps_label = p.steps == 0 && surface.on_label(p.position, label.data());
   return {p.position, keeps_label ? label : label_of(p),
           p.steps > 0 ? MoveState::moved : MoveState::stayed};
 }
@@ -77,10 +77,10 @@ inline PlacedVertex place_given(const TargetSurface& surface, const Vec3d& start
 // Makes the midpoint of an edge of a mesh without triangle labels, and counts the outcome. If the
 // projection fails, or there is none, the midpoint stays in the middle of its edge. `spheres` are
 // those that labels name.
-inline PlacedVertex place_midpoint(const TargetSurface& surface, const Sphere* spheres,
+inline PlacedVertex place_midpoint(const SurfaceView& surface, const Sphere* spheres,
                                    const EdgeEnds& edge, ProjectionStats& stats) {
   const Vec3d start = edge.start();
-  if (surface.projection() != Projection::none) {
+  if (surface.projection != Projection::none) {
     const ProjectedPoint p = surface.project(start, midpoint_reach(edge.a, edge.b));
     count_outcome(p, stats);
     if (p.outcome == ProjectionOutcome::converged) {

@@ -83,11 +83,6 @@ class Outputs(ProgramTest):
         self.assertIsNone(report["timing"]["build"])
         self.assertEqual(report["mesh"]["newton"], None)
 
-    def test_half_edges_are_built_where_the_format_wants_them(self):
-        json_path = self.folder / "a.json"
-        self.run_ok("mesh", UBIQUITIN, "-o", self.folder / "a.stl", "--json", json_path)
-        self.assertGreater(parse_json(json_path.read_text())["timing"]["build"], 0)
-
     def test_an_existing_file_is_replaced_whole(self):
         path = self.file("a.json", "x" * 1_000_000)
         self.run_ok("exact", UBIQUITIN, "--json", path)

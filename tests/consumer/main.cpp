@@ -7,7 +7,6 @@
 #include <vdwmesh/cuda/backend.hpp>
 #include <vdwmesh/mesh/mesh_io.hpp>
 #include <vdwmesh/mesh/surface_mesh.hpp>
-#include <vdwmesh/mesh/surface_mesh_builder.hpp>
 #include <vdwmesh/render/crease_split.hpp>
 #include <vdwmesh/render/renderer.hpp>
 #include <vdwmesh/structure/radii.hpp>
@@ -24,8 +23,7 @@ int main() {
   refine.projection = vdwmesh::Projection::none;
   const auto pipeline = vdwmesh::make_pipeline(vdwmesh::Backend::cpu);
   const vdwmesh::IndexedMesh mesh = pipeline->run(molecule, {}, refine).mesh;
-  vdwmesh::SurfaceMesh surface;
-  vdwmesh::SurfaceMeshBuilder(surface).build(mesh);
+  const vdwmesh::SurfaceMesh surface = vdwmesh::to_surface_mesh(mesh);
 
   const double exact = vdwmesh::exact_union(molecule).area;
   const double area = vdwmesh::measures(mesh).area;

@@ -82,7 +82,7 @@ void count_mesh(const SphereSet& spheres) {
 
 void count_half_edges(const SphereSet& spheres) {
   IndexedMesh mesh = extract(spheres, FieldKind::vdw, 0.7, Connectivity::half_edges);
-  const SurfaceMesh surface = to_surface_mesh(mesh);
+  const IndexedMesh with_opposites = mesh;
   count("build_from_opposites", [&] { return to_surface_mesh(mesh).n_edges(); });
   mesh.opposite = {};
   count("build_from_indices", [&] { return to_surface_mesh(mesh).n_edges(); });
@@ -94,8 +94,8 @@ void count_half_edges(const SphereSet& spheres) {
                                             {"write_stl", "read_stl", MeshFormat::stl},
                                             {"write_obj", "read_obj", MeshFormat::obj},
                                             {"write_off", "read_off", MeshFormat::off}}) {
-    const std::string bytes = encode_mesh(surface, format).bytes;
-    count(write, [&] { return encode_mesh(surface, format).bytes.size(); });
+    const std::string bytes = encode_mesh(with_opposites, format).bytes;
+    count(write, [&] { return encode_mesh(with_opposites, format).bytes.size(); });
     count(read, [&] { return decode_mesh(bytes, format).mesh.triangle_count(); });
   }
 }

@@ -23,7 +23,6 @@
 #include "core/monitor.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/mesh_io.hpp"
-#include "mesh/patch_properties.hpp"
 #include "mesh_files.hpp"
 #include "support/sanitized.hpp"
 #include "support/temporary_directory.hpp"
@@ -40,6 +39,11 @@ using ::testing::IsEmpty;
 using testing::labelled_mesh;
 using testing::TemporaryDirectory;
 
+std::string bytes_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
 // The patches stand behind what other programs read, and the curvatures behind each vertex.
 TEST(MeshIo, PlySaysOfWhichPatchesASurfaceIsMade) {
   PatchedMesh patched;
@@ -52,13 +56,11 @@ TEST(MeshIo, PlySaysOfWhichPatchesASurfaceIsMade) {
   patched.patches = {sphere, torus};
   const std::size_t faces = patched.mesh.triangle_count(), vertices = patched.mesh.vertex_count();
   patched.triangle_patch.assign(faces, 0);
-  SurfaceMesh mesh = to_surface_mesh(patched.mesh);
-  EXPECT_FALSE(patch_properties(mesh).has_value());
-  const std::string plain = encode_mesh(mesh, MeshFormat::ply).bytes;
-  add_patch_properties(mesh, patched);
-  mesh.property(patch_properties(mesh)->kind, OpenMesh::FaceHandle(int(faces) - 1)) = torus.kind;
-  mesh.property(patch_properties(mesh)->atoms, OpenMesh::FaceHandle(int(faces) - 1)) = torus.atoms;
-  const std::string bytes = encode_mesh(mesh, MeshFormat::ply).bytes;
+  patched.triangle_patch.back() = 1;
+  const std::string plain = encode_mesh(patched.mesh, MeshFormat::ply).bytes;
+  const TemporaryDirectory directory;
+  write_mesh(patched, directory / "patched.ply");
+  const std::string bytes = bytes_of(directory / "patched.ply");
   const std::size_t header = bytes.find("end_header\n") + 11;
   EXPECT_EQ(bytes.size() - header,
             plain.size() - (plain.find("end_header\n") + 11) + 8 * vertices + 13 * faces);
@@ -85,18 +87,13 @@ TEST(MeshIo, PlySaysOfWhichPatchesASurfaceIsMade) {
   EXPECT_EQ(back.vertex_spheres, patched.mesh.vertex_spheres);
   EXPECT_TRUE(back.triangle_spheres.empty());
   patched.triangle_patch.pop_back();
-  EXPECT_THROW(add_patch_properties(mesh, patched), InvalidInput);
+  EXPECT_THROW(write_mesh(patched, directory / "patched.ply"), InvalidInput);
 }
 
-// PLY from the arrays of a mesh: the bytes that the half-edge mesh of the same arrays gives.
-TEST(MeshIo, PlyWithoutHalfEdges) {
+// The arrays of a mesh give the bytes that the half-edge mesh of the same arrays gives.
+TEST(MeshIo, ArraysAndHalfEdgesGiveTheSameFiles) {
   const TemporaryDirectory directory;
   IndexedMesh mesh = labelled_mesh();
-  if (mesh.normals.empty()) mesh.normals.assign(mesh.vertex_count(), {0, 0.6f, 0.8f});
-  const auto bytes_of = [](const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
   std::vector<std::string> elements(mesh.vertex_count() + 1);
   std::vector<RgbColor> colors;
   for (std::size_t i = 0; i < elements.size(); ++i) {
@@ -107,14 +104,18 @@ TEST(MeshIo, PlyWithoutHalfEdges) {
     if (!labels) mesh.triangle_spheres.clear();
     SurfaceMesh built = to_surface_mesh(mesh);
     color_by_element(built, elements);
-    write_mesh(built, directory / "built.ply");
-    write_ply(mesh, colors, directory / "arrays.ply");
-    EXPECT_TRUE(bytes_of(directory / "built.ply") == bytes_of(directory / "arrays.ply"));
+    for (const char* format : {"ply", "obj", "off", "stl", "glb"}) {
+      const fs::path half_edges = directory / (std::string("half_edges.") + format),
+                     arrays = directory / (std::string("arrays.") + format);
+      write_mesh(built, half_edges);
+      write_mesh(mesh, arrays, colors);
+      EXPECT_TRUE(bytes_of(half_edges) == bytes_of(arrays)) << format;
+    }
   }
   const auto expect_refused = [&](const IndexedMesh& bad, std::size_t count, const char* why) {
     const fs::path path = directory / "bad.ply";
     try {
-      write_ply(bad, std::span(colors).first(count), path);
+      write_mesh(bad, path, std::span(colors).first(count));
       ADD_FAILURE() << "was written: " << why;
     } catch (const InvalidInput& error) {
       EXPECT_THAT(error.what(), HasSubstr(why));
@@ -130,8 +131,8 @@ TEST(MeshIo, PlyWithoutHalfEdges) {
   IndexedMesh bad = mesh;
   bad.positions[1].y = std::numeric_limits<double>::infinity();
   expect_refused(bad, colors.size(), "vertex 1 is at");
-  bad.normals.clear();
-  expect_refused(bad, colors.size(), "0 vertex normals");
+  bad.normals.assign(1, {0, 0, 1});
+  expect_refused(bad, colors.size(), "1 vertex normals");
 }
 
 // The least and the greatest of the floats as stored, bit for bit, as glTF wants them.
