@@ -1,6 +1,5 @@
-// ArrayDecoder goes through one chain of encodings and makes a stream of it; the streams of
-// integers are in binary_streams.cpp. Integers are kept as 32 bits, as the specification has them,
-// and numbers as doubles.
+// ArrayDecoder goes through one chain of encodings. Each encoding makes a whole array of the one
+// behind it. Integers are kept as 32 bits, as the specification has them, and numbers as doubles.
 //
 // The specification lets a fixed-point or quantised column be kept as floats. Here it becomes
 // doubles: n / 10^k is then the double nearest to the decimal number of the mmCIF file, so both
@@ -10,17 +9,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "core/errors.hpp"
-#include "structure/binary_streams.hpp"
 #include "structure/cif_tokens.hpp"
 #include "structure/lines.hpp"
 
@@ -38,51 +36,17 @@ static_assert(std::endian::native == std::endian::little, "BinaryCIF is little-e
 
 using Bytes = std::string_view;
 
-// Numbers: elements of a ByteArray of that many bytes, or a line through integers.
-struct RealStream {
-  Bytes bytes;
-  std::size_t width = 0;  // 4 or 8; 0: of integers
-  IntegerSource integers;
-  double origin = 0, step = 0, factor = 0;  // factor / integer, or with 0 origin + step * integer
-  std::size_t next = 0;
+// What a chain of encodings makes of the bytes.
+using DecodedArray = std::variant<Bytes, Integers, Reals, TextArray>;
 
-  std::size_t size() const { return integers ? integers->size() : bytes.size() / width; }
-  void take(double* to, std::size_t count);
-};
-
-struct TextStream {
-  std::vector<std::string_view> texts;
-  IntegerSource indices;
-};
-
-// What a chain of encodings makes of the bytes. Elements are kept apart from other integers,
-// because IntegerPacking reads them where they stand.
-using Array = std::variant<Bytes, Elements, IntegerSource, RealStream, TextStream>;
-
-template <class T>
-void copy_elements(Bytes bytes, double* to, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    T value;
-    std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
-    to[i] = static_cast<double>(value);
-  }
-}
-
-void RealStream::take(double* to, std::size_t count) {
-  const Bytes rest = bytes.substr(std::min(next * width, bytes.size()));
-  next += count;
-  if (width == 4) return copy_elements<float>(rest, to, count);
-  if (width == 8) return copy_elements<double>(rest, to, count);
-  constexpr std::size_t kSome = 1024;
-  std::array<std::int32_t, kSome> some;
-  for (std::size_t first = 0; first < count; first += kSome) {
-    const std::size_t size = std::min(kSome, count - first);
-    integers->take(some.data(), size);
-    // Division, not multiplication by 1 / factor, which would round twice.
-    if (factor != 0)
-      for (std::size_t i = 0; i < size; ++i) to[first + i] = some[i] / factor;
-    else
-      for (std::size_t i = 0; i < size; ++i) to[first + i] = origin + step * some[i];
+// Copies the elements of type T that the bytes are, each as convert() gives it.
+template <class T, class Value, class Convert>
+void copy_elements(Bytes bytes, Buffer<Value>& to, const Convert& convert) {
+  to.resize(bytes.size() / sizeof(T));
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    T element;
+    std::memcpy(&element, bytes.data() + i * sizeof(T), sizeof(T));
+    to[i] = convert(element);
   }
 }
 
@@ -92,15 +56,14 @@ class ArrayDecoder {
   ArrayDecoder(std::size_t most, const std::string& where) : most_(most), where_(where) {}
 
   // Each of these decodes `encoded`, a map with the keys encoding (a list) and data.
-  std::variant<IntegerSource, RealStream, TextStream> values(const PackedValue& encoded) const {
-    Array array = decode(encoded);
-    if (IntegerSource* found = std::get_if<IntegerSource>(&array)) return std::move(*found);
-    if (RealStream* found = std::get_if<RealStream>(&array)) return std::move(*found);
-    if (TextStream* found = std::get_if<TextStream>(&array)) return std::move(*found);
-    if (const Elements* found = std::get_if<Elements>(&array)) return stream_of(*found, where_);
+  std::variant<Integers, Reals, TextArray> values(const PackedValue& encoded) const {
+    DecodedArray array = decode(encoded);
+    if (Integers* found = std::get_if<Integers>(&array)) return std::move(*found);
+    if (Reals* found = std::get_if<Reals>(&array)) return std::move(*found);
+    if (TextArray* found = std::get_if<TextArray>(&array)) return std::move(*found);
     fail("has no encoding that makes numbers or texts of its bytes");
   }
-  IntegerSource integers(const PackedValue& encoded) const { return as_integers(decode(encoded)); }
+  Integers integers(const PackedValue& encoded) const { return as_integers(decode(encoded)); }
 
   [[noreturn]] void fail(const std::string& what) const {
     throw FileFormatError(fmt::format("{}: {}", where_, what));
@@ -139,62 +102,63 @@ class ArrayDecoder {
         integer(encoding, "srcSize", 0, static_cast<std::int64_t>(most_)));
   }
 
-  IntegerSource as_integers(Array array) const {
-    if (IntegerSource* found = std::get_if<IntegerSource>(&array)) return std::move(*found);
-    if (const Elements* found = std::get_if<Elements>(&array)) return stream_of(*found, where_);
+  // Throws if the value has more than 32 bits.
+  std::int32_t narrow(std::int64_t value) const {
+    if (value < kSmallest || value > kLargest)
+      fail(fmt::format("the integer {} has more than 32 bits", value));
+    return static_cast<std::int32_t>(value);
+  }
+
+  Integers as_integers(DecodedArray array) const {
+    if (Integers* found = std::get_if<Integers>(&array)) return std::move(*found);
     fail("numbers with a fraction, texts or bytes stand where integers are needed");
   }
 
-  Array decode(const PackedValue& encoded) const {
+  DecodedArray decode(const PackedValue& encoded) const {
     return decode(get(encoded, "encoding"), bytes_of(get(encoded, "data"), "data"));
   }
 
-  Array decode(const PackedValue& encodings, Bytes bytes) const {
+  DecodedArray decode(const PackedValue& encodings, Bytes bytes) const {
     const std::optional<std::vector<PackedValue>> chain = encodings.elements();
     if (!chain || chain->empty() || chain->size() > kLongestChain)
       fail(fmt::format("encoding is not a list of 1 to {} encodings", kLongestChain));
-    Array array = bytes;
-    for (auto encoding = chain->rbegin(); encoding != chain->rend(); ++encoding)
-      array = decode_step(*encoding, std::move(array));
+    DecodedArray array = bytes;
+    for (std::size_t i = chain->size(); i-- > 0;) {
+      const bool is_delta_next = i > 0 && kind_of((*chain)[i - 1]) == "Delta";
+      array = decode_step((*chain)[i], std::move(array), is_delta_next);
+    }
     return array;
   }
 
-  Array decode_step(const PackedValue& encoding, Array array) const {
-    const std::string_view kind = get(encoding, "kind").text().value_or("");
-    if (Elements* found = std::get_if<Elements>(&array)) {
-      if (kind == "IntegerPacking") return unpacked(packing_of(encoding), *found, where_);
-      // Differences of 32 bits are the same with a sign as without.
-      if (kind == "Delta" && found->type == 6) found->type = 3;
-      array = stream_of(*found, where_);
-    }
-    if (kind == "ByteArray") return byte_array(encoding, of<Bytes>(array, kind));
-    if (kind == "StringArray") return string_array(encoding, of<Bytes>(array, kind));
-    if (kind == "FixedPoint") return fixed_point(encoding, of<IntegerSource>(array, kind));
-    if (kind == "IntervalQuantization") return quantised(encoding, of<IntegerSource>(array, kind));
-    if (kind == "RunLength")
-      return repeated(size(encoding), std::move(of<IntegerSource>(array, kind)), where_);
-    if (kind == "Delta")
-      return summed(integer(encoding, "origin", kSmallest, kLargest), source_type(encoding),
-                    std::move(of<IntegerSource>(array, kind)), where_);
-    if (kind == "IntegerPacking")
-      return unpacked(packing_of(encoding), std::move(of<IntegerSource>(array, kind)), where_);
-    fail(fmt::format("its encoding {} is not known", in_quotes(kind)));
+  static std::string_view kind_of(const PackedValue& encoding) {
+    const std::optional<PackedValue> kind = encoding.find("kind");
+    return kind ? kind->text().value_or("") : "";
   }
 
-  // The type of the elements before they were encoded; 0 where it is not given.
-  std::int64_t source_type(const PackedValue& encoding) const {
-    const std::optional<PackedValue> type = encoding.find("srcType");
-    return type ? type->integer().value_or(0) : 0;
+  DecodedArray decode_step(const PackedValue& encoding, DecodedArray array,
+                           bool is_delta_next) const {
+    get(encoding, "kind");  // throws if there is none
+    const std::string_view kind = kind_of(encoding);
+    if (kind == "ByteArray") return byte_array(encoding, of<Bytes>(array, kind), is_delta_next);
+    if (kind == "StringArray") return string_array(encoding, of<Bytes>(array, kind));
+    if (kind == "FixedPoint") return fixed_point(encoding, of<Integers>(array, kind));
+    if (kind == "IntervalQuantization") return quantised(encoding, of<Integers>(array, kind));
+    if (kind == "RunLength") return repeated(size(encoding), of<Integers>(array, kind));
+    if (kind == "Delta") return summed(encoding, std::move(of<Integers>(array, kind)));
+    if (kind == "IntegerPacking") return unpacked(encoding, of<Integers>(array, kind));
+    fail(fmt::format("its encoding {} is not known", in_quotes(kind)));
   }
 
   // The array as the kind of array that an encoding needs.
   template <class Needed>
-  Needed& of(Array& array, std::string_view kind) const {
+  Needed& of(DecodedArray& array, std::string_view kind) const {
     if (Needed* found = std::get_if<Needed>(&array)) return *found;
     fail(fmt::format("{} cannot decode what the encodings behind it give", kind));
   }
 
-  Array byte_array(const PackedValue& encoding, Bytes bytes) const {
+  // `are_differences`: of 32 bits they are the same with a sign as without. Other integers without
+  // a sign are refused above 2^31 - 1.
+  DecodedArray byte_array(const PackedValue& encoding, Bytes bytes, bool are_differences) const {
     const std::int64_t type = integer(encoding, "type", 1, 33);
     const std::size_t width = type == 1 || type == 4   ? 1
                               : type == 2 || type == 5 ? 2
@@ -202,155 +166,158 @@ class ArrayDecoder {
                                                        : 4;
     if (bytes.size() % width != 0)
       fail(fmt::format("its {} bytes are not elements of {} bytes each", bytes.size(), width));
-    if (type < 7) return Elements{bytes, type};
-    if (type < 32) fail(fmt::format("its type {} is not known", type));
-    RealStream reals;
-    reals.bytes = bytes;
-    reals.width = width;
-    return reals;
+    if (type >= 7 && type < 32) fail(fmt::format("its type {} is not known", type));
+    if (type >= 32) {
+      Reals reals;
+      const auto as_double = [](auto element) { return static_cast<double>(element); };
+      type == 32 ? copy_elements<float>(bytes, reals, as_double)
+                 : copy_elements<double>(bytes, reals, as_double);
+      return reals;
+    }
+    Integers integers;
+    const auto as_integer = [](auto element) { return static_cast<std::int32_t>(element); };
+    const auto narrowed = [this](std::int64_t element) { return narrow(element); };
+    if (type == 1) copy_elements<std::int8_t>(bytes, integers, as_integer);
+    if (type == 2) copy_elements<std::int16_t>(bytes, integers, as_integer);
+    if (type == 4) copy_elements<std::uint8_t>(bytes, integers, as_integer);
+    if (type == 5) copy_elements<std::uint16_t>(bytes, integers, as_integer);
+    if (type == 3 || (type == 6 && are_differences))
+      copy_elements<std::int32_t>(bytes, integers, as_integer);
+    else if (type == 6)
+      copy_elements<std::uint32_t>(bytes, integers, narrowed);
+    return integers;
   }
 
-  RealStream fixed_point(const PackedValue& encoding, IntegerSource& array) const {
-    RealStream reals;
-    reals.factor = real(encoding, "factor");
-    if (reals.factor == 0) fail("factor is 0");
-    reals.integers = std::move(array);
+  Reals fixed_point(const PackedValue& encoding, const Integers& integers) const {
+    const double factor = real(encoding, "factor");
+    if (factor == 0) fail("factor is 0");
+    Reals reals(integers.size());
+    // Division, not multiplication by 1 / factor, which would round twice.
+    std::transform(integers.begin(), integers.end(), reals.begin(),
+                   [factor](std::int32_t integer) { return integer / factor; });
     return reals;
   }
 
   // numSteps values from min to max, both included.
-  RealStream quantised(const PackedValue& encoding, IntegerSource& array) const {
-    RealStream reals;
+  Reals quantised(const PackedValue& encoding, const Integers& integers) const {
     const double min = real(encoding, "min"), max = real(encoding, "max");
     const auto steps = static_cast<double>(integer(encoding, "numSteps", 2, kLargest));
-    reals.origin = min;
-    reals.step = (max - min) / (steps - 1);
-    reals.integers = std::move(array);
+    const double step = (max - min) / (steps - 1);
+    Reals reals(integers.size());
+    std::transform(integers.begin(), integers.end(), reals.begin(),
+                   [min, step](std::int32_t integer) { return min + step * integer; });
     return reals;
   }
 
-  Packing packing_of(const PackedValue& encoding) const {
-    return {size(encoding), integer(encoding, "byteCount", 1, 2) == 1,
-            integer(encoding, "isUnsigned", 0, 1) == 1};
+  // Pairs of a value and the number of times it is repeated become `size` values.
+  Integers repeated(std::size_t size, const Integers& pairs) const {
+    if (pairs.size() % 2 != 0) fail("RunLength has a value without its count");
+    std::size_t announced = 0;  // before memory is taken for them
+    for (std::size_t i = 1; i < pairs.size(); i += 2) {
+      if (pairs[i] < 0 || static_cast<std::size_t>(pairs[i]) > size - announced)
+        fail(fmt::format("the counts of RunLength are not those of {} values", size));
+      announced += static_cast<std::size_t>(pairs[i]);
+    }
+    if (announced != size) fail(fmt::format("RunLength gives {} values of {}", announced, size));
+    Integers values(size);
+    std::int32_t* next = values.data();
+    for (std::size_t i = 0; i < pairs.size(); i += 2)
+      next = std::fill_n(next, static_cast<std::size_t>(pairs[i + 1]), pairs[i]);
+    return values;
   }
 
-  TextStream string_array(const PackedValue& encoding, Bytes bytes) const {
+  // The sums of the origin and all differences so far. Elements without a sign go round: what is
+  // above the largest begins again at 0, and below 0 at the largest.
+  Integers summed(const PackedValue& encoding, Integers values) const {
+    std::int64_t sum = integer(encoding, "origin", kSmallest, kLargest);
+    const std::optional<PackedValue> given = encoding.find("srcType");
+    const std::int64_t type = given ? given->integer().value_or(0) : 0;
+    const std::int64_t kept = type == 4   ? 0xFF
+                              : type == 5 ? 0xFFFF
+                              : type == 6 ? std::int64_t{0xFFFFFFFF}
+                                          : std::int64_t{-1};  // the bits of a sum
+    for (std::int32_t& value : values) {
+      sum = (sum + value) & kept;
+      value = narrow(sum);
+    }
+    return values;
+  }
+
+  // Each value is the sum of the elements up to the first that is not at a limit of its type.
+  // Values behind the last are ignored, but there may be no half one.
+  Integers unpacked(const PackedValue& encoding, const Integers& elements) const {
+    const std::size_t count = size(encoding);
+    const bool is_byte = integer(encoding, "byteCount", 1, 2) == 1,
+               is_unsigned = integer(encoding, "isUnsigned", 0, 1) == 1;
+    const std::int32_t upper = (is_byte ? 0x7F : 0x7FFF) * (is_unsigned ? 2 : 1) + is_unsigned,
+                       lower = is_unsigned ? -1 : -upper - 1;  // -1: not the limit of any value
+    // Written without a branch on what is at a limit, which the processor could not foresee; so
+    // each element writes, the last ones behind the values.
+    Integers values(std::min(count, elements.size()) + 1);
+    std::size_t made = 0;
+    std::int64_t sum = 0;
+    bool is_open = false;
+    for (std::size_t i = 0; i < elements.size() && made < values.size(); ++i) {
+      sum += elements[i];
+      values[made] = narrow(sum);
+      is_open = (elements[i] == upper) | (elements[i] == lower);
+      made += !is_open;
+      sum &= -static_cast<std::int64_t>(is_open);
+    }
+    if (made < count || is_open)
+      fail(fmt::format("IntegerPacking gives not the {} values that it should", count));
+    values.resize(count);
+    return values;
+  }
+
+  TextArray string_array(const PackedValue& encoding, Bytes bytes) const {
     const std::optional<std::string_view> all = get(encoding, "stringData").text();
     if (!all) fail("stringData is no text");
     // Offsets count the letters of JavaScript, which are bytes only in ASCII.
     if (std::any_of(all->begin(), all->end(), [](char c) { return (c & 0x80) != 0; }))
       fail("texts that are not ASCII are not read");
-    const IntegerSource source = as_integers(
+    const Integers offsets = as_integers(
         decode(get(encoding, "offsetEncoding"), bytes_of(get(encoding, "offsets"), "offsets")));
-    Integers offsets(source->size());
-    source->take(offsets.data(), offsets.size());
-    source->finish();
-    TextStream stream;
+    TextArray array;
     for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
       const std::int64_t first = offsets[i], last = offsets[i + 1];
       if (first < 0 || last < first || last > static_cast<std::int64_t>(all->size()))
         fail(fmt::format("offset {} of its texts is not in them", i + 1));
-      stream.texts.push_back(
+      array.texts.push_back(
           all->substr(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)));
     }
-    stream.indices = as_integers(decode(get(encoding, "dataEncoding"), bytes));
-    return stream;
+    array.indices = as_integers(decode(get(encoding, "dataEncoding"), bytes));
+    for (const std::int32_t index : array.indices)
+      if (index < -1 || index >= static_cast<std::int64_t>(array.texts.size()))
+        fail(fmt::format("text {} is not one of its {}", index, array.texts.size()));
+    return array;
   }
 
   std::size_t most_;
   const std::string& where_;
 };
 
-std::size_t size_of(const IntegerSource& values) { return values->size(); }
-std::size_t size_of(const RealStream& values) { return values.size(); }
-std::size_t size_of(const TextStream& values) { return values.indices->size(); }
-
 }  // namespace
 
-struct ColumnStream::Parts {
-  std::string where;
-  std::variant<IntegerSource, RealStream, TextStream> values;
-  IntegerSource mask;  // nullptr: all values are given
-
-  // Each of these decodes the next `count` values into what `block` holds of their kind.
-  void take(IntegerSource& source, std::size_t count, BinaryColumn& block) const {
-    Integers& to = held<Integers>(block);
-    to.resize(count);
-    source->take(to.data(), count);
-  }
-  void take(RealStream& source, std::size_t count, BinaryColumn& block) const {
-    Reals& to = held<Reals>(block);
-    to.resize(count);
-    source.take(to.data(), count);
-  }
-  void take(TextStream& source, std::size_t count, BinaryColumn& block) const {
-    TextArray& to = held<TextArray>(block);
-    if (to.texts.empty()) to.texts = source.texts;
-    to.indices.resize(count);
-    source.indices->take(to.indices.data(), count);
-    check_indices(to);
-  }
-
-  // The array of the kind that the block holds, or is to hold.
-  template <class Kind>
-  static Kind& held(BinaryColumn& block) {
-    if (Kind* const found = std::get_if<Kind>(&block.values)) return *found;
-    return block.values.emplace<Kind>();
-  }
-
-  // The extremes first, which lanes find: an index that is not one of them need not be looked at.
-  void check_indices(const TextArray& array) const {
-    std::int32_t least = 0, most = -1;
-    for (const std::int32_t index : array.indices) {
-      least = std::min(least, index);
-      most = std::max(most, index);
-    }
-    for (const std::int32_t index : {least, most})
-      if (index < -1 || index >= static_cast<std::int64_t>(array.texts.size()))
-        throw FileFormatError(
-            fmt::format("{}: text {} is not one of its {}", where, index, array.texts.size()));
-  }
-};
-
-ColumnStream::ColumnStream(const PackedValue& column, std::size_t rows, const std::string& where)
-    : parts_(std::make_unique<Parts>()) {
+BinaryColumn decoded_column(const PackedValue& column, std::size_t rows, const std::string& where) {
   // The longest array that an encoding announces is one of pairs, for RunLength, in which no value
   // is repeated; or the offsets of `rows` different texts. Lengths of other arrays are not
   // announced: their data are in the file.
   const ArrayDecoder decoder(2 * rows + 2, where);
-  parts_->where = where;
-  parts_->values = decoder.values(decoder.get(column, "data"));
-  const std::size_t size =
-      std::visit([](const auto& values) { return size_of(values); }, parts_->values);
-  if (size != rows) decoder.fail(fmt::format("has {} values in a table of {} rows", size, rows));
+  BinaryColumn decoded;
+  decoded.values = decoder.values(decoder.get(column, "data"));
+  if (decoded.size() != rows)
+    decoder.fail(fmt::format("has {} values in a table of {} rows", decoded.size(), rows));
   const std::optional<PackedValue> mask = column.find("mask");
   // Some writers give a mask that is null or an empty map to columns that need none.
-  if (!mask) return;
-  if (mask->kind() == PackedKind::map && !mask->find("encoding") && !mask->find("data")) return;
-  parts_->mask = decoder.integers(*mask);
-  if (parts_->mask->size() != rows)
+  if (!mask) return decoded;
+  if (mask->kind() == PackedKind::map && !mask->find("encoding") && !mask->find("data"))
+    return decoded;
+  decoded.mask = decoder.integers(*mask);
+  if (decoded.mask.size() != rows)
     decoder.fail(
-        fmt::format("its mask has {} values in a table of {} rows", parts_->mask->size(), rows));
-}
-
-ColumnStream::~ColumnStream() = default;
-ColumnStream::ColumnStream(ColumnStream&&) noexcept = default;
-
-void ColumnStream::take(std::size_t count, BinaryColumn& block) {
-  std::visit([&](auto& values) { parts_->take(values, count, block); }, parts_->values);
-  if (!parts_->mask) return;
-  block.mask.resize(count);
-  parts_->mask->take(block.mask.data(), count);
-}
-
-void ColumnStream::finish() {
-  if (IntegerSource* const values = std::get_if<IntegerSource>(&parts_->values))
-    (*values)->finish();
-  if (TextStream* const values = std::get_if<TextStream>(&parts_->values))
-    values->indices->finish();
-  RealStream* const values = std::get_if<RealStream>(&parts_->values);
-  if (values && values->integers) values->integers->finish();
-  if (parts_->mask) parts_->mask->finish();
+        fmt::format("its mask has {} values in a table of {} rows", decoded.mask.size(), rows));
+  return decoded;
 }
 
 std::size_t BinaryColumn::size() const {

@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -43,25 +42,9 @@ class BinaryColumn {
   double number(std::size_t row) const;
 };
 
-// A column that is decoded some rows at a time.
-class ColumnStream {
- public:
-  // The column of `rows` values that `column` describes: a map with the keys data and mask. Throws
-  // FileFormatError, with `where` (file, table and column) before the fault, if anything in it does
-  // not fit together, now or when the values are reached. Takes memory in proportion to the bytes
-  // of the column, whatever sizes the column announces.
-  ColumnStream(const PackedValue& column, std::size_t rows, const std::string& where);
-  ~ColumnStream();
-  ColumnStream(ColumnStream&&) noexcept;
-
-  // Decodes the next `count` rows into `block`, which holds the rows before or is new.
-  void take(std::size_t count, BinaryColumn& block);
-  // Call once, when all rows have been taken: throws if the column has more.
-  void finish();
-
- private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
-};
+// The column of `rows` values that `column` describes: a map with the keys data and mask. Throws
+// FileFormatError, with `where` (file, table and column) before the fault, if anything in it does
+// not fit together. Takes memory for the rows alone, whatever sizes the column announces.
+BinaryColumn decoded_column(const PackedValue& column, std::size_t rows, const std::string& where);
 
 }  // namespace vdwmesh

@@ -1,6 +1,6 @@
 // Reads BinaryCIF files (https://github.com/molstar/BinaryCIF): the tables of an mmCIF file, column
-// by column, in MessagePack. Rows go to the AtomSiteBuilder, as those of mmCIF do. Only the columns
-// that are needed are decoded.
+// by column, in MessagePack. Columns are decoded whole. Rows go to the AtomSiteBuilder, as those of
+// mmCIF do. Only the columns that are needed are decoded.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <cmath>
 #include <deque>
 #include <gemmi/cifdoc.hpp>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -34,30 +35,27 @@ constexpr std::uint64_t kMostRowsPerByte = 16;
 // for are refused, so the same limit on memory holds for both formats.
 constexpr std::uint64_t kLeastBytesOfRow = 40;
 
-// Rows of _atom_site that are decoded at a time: few enough to stay in the processor's cache.
-constexpr std::size_t kRowsAtOnce = 1024;
-
 // A table of the file, in which columns are looked up by name.
-struct Category {
+struct BinaryTable {
   std::string_view name;  // as "_atom_site"
   std::size_t rows = 0;
   std::vector<std::pair<std::string_view, PackedValue>> columns;
 };
 
-class Reader {
+class BinaryCifReader {
  public:
-  Reader(std::string_view bytes, std::uint64_t limit, ParsedFile& file)
+  BinaryCifReader(std::string_view bytes, std::uint64_t limit, ParsedFile& file)
       : file_(file),
         nodes_(parse_message_pack(bytes, file.path)),
         most_rows_(std::min(limit / kLeastBytesOfRow, bytes.size() * kMostRowsPerByte)) {}
 
   void run() {
     cif::Block rest;
-    const std::vector<Category> categories = block_with_atoms();
-    for (const Category& category : categories)
+    const std::vector<BinaryTable> categories = block_with_atoms();
+    for (const BinaryTable& category : categories)
       if (is_needed_table(fmt::format("{}.", category.name))) add_table(category, rest);
     AtomSiteBuilder builder(file_);
-    for (const Category& category : categories)
+    for (const BinaryTable& category : categories)
       if (is_atom_site(category)) add_atoms(category, builder);
     builder.finish(rest);
   }
@@ -67,7 +65,7 @@ class Reader {
     throw FileFormatError(fmt::format("{}: {}", file_.path, what));
   }
 
-  static bool is_atom_site(const Category& category) {
+  static bool is_atom_site(const BinaryTable& category) {
     return lower_case(category.name) == "_atom_site";
   }
 
@@ -87,15 +85,15 @@ class Reader {
   }
 
   // The tables of the only data block with an atom table.
-  std::vector<Category> block_with_atoms() const {
-    std::optional<std::vector<Category>> found;
+  std::vector<BinaryTable> block_with_atoms() const {
+    std::optional<std::vector<BinaryTable>> found;
     bool has_component = false;
     std::string_view found_name;
     for (const PackedValue& block : list(PackedValue(nodes_, 0), "dataBlocks")) {
-      std::vector<Category> categories;
+      std::vector<BinaryTable> categories;
       for (const PackedValue& value : list(block, "categories"))
         categories.push_back(category(value));
-      has_component |= std::any_of(categories.begin(), categories.end(), [](const Category& c) {
+      has_component |= std::any_of(categories.begin(), categories.end(), [](const BinaryTable& c) {
         return lower_case(c.name) == "_chem_comp_atom";
       });
       const auto tables = std::count_if(categories.begin(), categories.end(), is_atom_site);
@@ -112,8 +110,8 @@ class Reader {
     return std::move(*found);
   }
 
-  Category category(const PackedValue& value) const {
-    Category category;
+  BinaryTable category(const PackedValue& value) const {
+    BinaryTable category;
     category.name = name_of(value, "name");
     const std::optional<PackedValue> count = value.find("rowCount");
     const auto rows = count ? count->integer() : std::nullopt;
@@ -126,21 +124,21 @@ class Reader {
   }
 
   // Throws unless a table of that many values can be in a file of this size.
-  void check_size(const Category& category, std::uint64_t rows) const {
+  void check_size(const BinaryTable& category, std::uint64_t rows) const {
     if (rows <= most_rows_) return;
     throw LimitExceeded(fmt::format(
         "{}: table {} claims {} rows, more than fit into the file or the memory allowed (up to {})",
         file_.path, in_quotes(category.name), category.rows, most_rows_));
   }
 
-  ColumnStream opened(const Category& category, std::size_t column) const {
+  BinaryColumn decoded(const BinaryTable& category, std::size_t column) const {
     const auto& [name, value] = category.columns[column];
     const std::string tag = fmt::format("{}.{}", category.name, name);
-    return {value, category.rows, fmt::format("{}: {}", file_.path, in_quotes(tag))};
+    return decoded_column(value, category.rows, fmt::format("{}: {}", file_.path, in_quotes(tag)));
   }
 
   // Adds the table to the block as a loop of CIF values.
-  void add_table(const Category& category, cif::Block& block) const {
+  void add_table(const BinaryTable& category, cif::Block& block) const {
     const std::size_t width = category.columns.size();
     if (width == 0) return;
     // Each of `width` columns may be no longer than all of the table.
@@ -149,10 +147,7 @@ class Reader {
     loop.values.resize(category.rows * width);
     for (std::size_t i = 0; i < width; ++i) {
       loop.tags.push_back(fmt::format("{}.{}", category.name, category.columns[i].first));
-      ColumnStream stream = opened(category, i);
-      BinaryColumn column;
-      stream.take(category.rows, column);
-      stream.finish();
+      const BinaryColumn column = decoded(category, i);
       std::string scratch;
       for (std::size_t row = 0; row < category.rows; ++row)
         loop.values[row * width + i] =
@@ -160,7 +155,7 @@ class Reader {
     }
   }
 
-  void add_atoms(const Category& category, AtomSiteBuilder& builder) {
+  void add_atoms(const BinaryTable& category, AtomSiteBuilder& builder) {
     check_size(category, category.rows);
     AtomSiteLayout layout;
     for (std::size_t i = 0; i < category.columns.size(); ++i)
@@ -170,32 +165,11 @@ class Reader {
                            in_quotes(category.columns[i].first)));
         layout[*column] = static_cast<int>(i);
       }
-    open_columns(category, completed_layout(layout, file_.path));
-    builder.reserve(std::min(category.rows, rows_in_data(category)));
-    AtomSiteRow row;
-    for (std::size_t first = 0; first < category.rows; first += kRowsAtOnce)
-      add_block(first, std::min(kRowsAtOnce, category.rows - first), row, builder);
-    for (OpenColumn& open : open_) open.stream.finish();
-  }
-
-  // As many rows as a column of the table has bytes of data, whatever the table claims: without
-  // RunLength no value takes less. Memory for more is taken as the rows are read.
-  std::size_t rows_in_data(const Category& category) const {
-    std::size_t most = 0;
-    for (const auto& [name, column] : category.columns) {
-      const auto data = column.find("data");
-      const auto bytes = data ? data->find("data") : std::nullopt;
-      most = std::max(most, bytes ? bytes->bytes().value_or("").size() : 0);
-    }
-    return most;
-  }
-
-  // `row` is the one before, whose place rows of the same residue keep.
-  void add_block(std::size_t first, std::size_t rows, AtomSiteRow& row, AtomSiteBuilder& builder) {
-    take_block(rows);
-    first_row_ = first;
-    const Flags begins = rows_that_begin(rows);
-    for (std::size_t i = 0; i < rows; ++i) {
+    decode_columns(category, completed_layout(layout, file_.path));
+    builder.reserve(category.rows);
+    AtomSiteRow row;  // keeps the place of the row before where rows are of the same residue
+    const Flags begins = rows_that_begin(category.rows);
+    for (std::size_t i = 0; i < category.rows; ++i) {
       if (begins[i] != 0) read_place(i, row, builder);
       read_atom(i, row);
       if (begins[i] != 0)
@@ -207,13 +181,13 @@ class Reader {
 
   using Flags = Buffer<std::uint8_t>;
 
-  // Marks the rows of the block that differ from the row before in what read_place() reads, and its
+  // Marks the rows of the table that differ from the row before in what read_place() reads, and its
   // first row. In columns of texts it is enough to compare their numbers, and few rows are marked:
   // most have the residue of the row before. The columns of subchains and entities need no look,
   // for which the first row of a residue decides.
   Flags rows_that_begin(std::size_t rows) const {
     Flags begins(rows, 0);
-    begins.front() = 1;
+    if (rows > 0) begins.front() = 1;
     for (const Column of :
          {Column::group_PDB, Column::label_alt_id, Column::auth_comp_id, Column::auth_asym_id,
           Column::auth_seq_id, Column::pdbx_PDB_ins_code, Column::pdbx_PDB_model_num}) {
@@ -257,40 +231,25 @@ class Reader {
            column != Column::label_seq_id;
   }
 
-  // A column of the table, of which `block` holds the rows that are read now.
-  struct OpenColumn {
-    ColumnStream stream;
-    BinaryColumn block;
-  };
-
-  void open_columns(const Category& category, const AtomSiteLayout& layout) {
-    // The place in open_ of each column of the table, because a column may stand in for another.
-    std::vector<std::size_t> places(category.columns.size(), kAtomSiteColumns);
-    open_.reserve(kAtomSiteColumns);
+  void decode_columns(const BinaryTable& category, const AtomSiteLayout& layout) {
+    // A column may stand in for another, and is decoded once.
+    std::map<int, const BinaryColumn*> known;
     for (std::size_t i = 0; i < kAtomSiteColumns; ++i) {
       const int index = layout.indices[i];
       if (index < 0 || !is_read(static_cast<Column>(i))) continue;
-      std::size_t& place = places[static_cast<std::size_t>(index)];
-      if (place == kAtomSiteColumns) {
-        place = open_.size();
-        open_.push_back({opened(category, static_cast<std::size_t>(index)), {}});
+      const BinaryColumn*& found = known[index];
+      if (!found) {
+        BinaryColumn& column =
+            decoded_.emplace_back(decoded(category, static_cast<std::size_t>(index)));
+        if (std::holds_alternative<TextArray>(column.values)) leave_masked(column);
+        found = &column;
       }
-      columns_[i] = &open_[place].block;
+      columns_[i] = found;
+      texts_[i] = std::get_if<TextArray>(&found->values);
+      const Reals* const reals = std::get_if<Reals>(&found->values);
+      reals_[i] = reals && found->mask.empty() ? reals->data() : nullptr;
     }
-  }
-
-  void take_block(std::size_t rows) {
-    for (OpenColumn& open : open_) {
-      open.stream.take(rows, open.block);
-      if (std::holds_alternative<TextArray>(open.block.values)) leave_masked(open.block);
-    }
-    for (std::size_t i = 0; i < kAtomSiteColumns; ++i) {
-      if (!columns_[i]) continue;
-      texts_[i] = std::get_if<TextArray>(&columns_[i]->values);
-      const Reals* const reals = std::get_if<Reals>(&columns_[i]->values);
-      reals_[i] = reals && columns_[i]->mask.empty() ? reals->data() : nullptr;
-    }
-    if (names_.empty() && elements_.empty()) list_names();
+    list_names();
   }
 
   // Lets the rows whose value is not given have no text, so that nobody asks the mask again.
@@ -313,13 +272,14 @@ class Reader {
   // The text of a number. That of an integer, as models and entities have them, is made only where
   // the row before has another integer.
   std::string_view text_of_number(Column of, std::size_t row) {
-    LastText& last = last_[static_cast<std::size_t>(of)];
+    auto& [last_number, last_text] = last_[static_cast<std::size_t>(of)];
     const std::optional<std::int32_t> number = integer(of, row);
-    if (!number || last.number != number) {
+    if (!number || last_number != number) {
       std::string scratch;
-      last = {number, kept(column(of)->text(row, scratch))};
+      last_text = kept(column(of)->text(row, scratch));
+      last_number = number;
     }
-    return last.text;
+    return last_text;
   }
   // The text in memory that lasts as long as the reader.
   std::string_view kept(std::string_view text) {
@@ -342,7 +302,7 @@ class Reader {
     row.subchain = text(Column::label_asym_id, index);
     row.entity = text(Column::label_entity_id, index);
     row.model = column(Column::pdbx_PDB_model_num) ? text(Column::pdbx_PDB_model_num, index) : "1";
-    row.altloc = altloc_of(text(Column::label_alt_id, index), first_row_ + index + 1, file_.path);
+    row.altloc = altloc_of(text(Column::label_alt_id, index), index + 1, file_.path);
     row.sequence = sequence(index, builder);
   }
 
@@ -385,17 +345,12 @@ class Reader {
   ParsedFile& file_;
   std::vector<PackedNode> nodes_;
   std::uint64_t most_rows_;
-  std::vector<OpenColumn> open_;
-  std::size_t first_row_ = 0;  // of the block, in the table
-  // Of the block, in which rows count from 0:
+  std::deque<BinaryColumn> decoded_;                             // those that are read
   std::array<const BinaryColumn*, kAtomSiteColumns> columns_{};  // nullptr: not there
   std::array<const TextArray*, kAtomSiteColumns> texts_{};       // of those that hold texts
   std::array<const double*, kAtomSiteColumns> reals_{};  // of those that hold reals, all given
-  struct LastText {
-    std::optional<std::int32_t> number;
-    std::string_view text;
-  };
-  std::array<LastText, kAtomSiteColumns> last_;
+  // The integer of the row before, and its text.
+  std::array<std::pair<std::optional<std::int32_t>, std::string_view>, kAtomSiteColumns> last_;
   std::deque<std::string> kept_;
   std::vector<ShortText> names_;     // by the number of the text, as elements_
   std::vector<gemmi::El> elements_;  // X: of no element
@@ -406,7 +361,7 @@ class Reader {
 ParsedFile parse_binary_cif(std::string_view bytes, const std::string& path, std::uint64_t limit) {
   return parse_with_gemmi(path, [&](ParsedFile& file) {
     file.format = "bcif";
-    Reader(bytes, limit, file).run();
+    BinaryCifReader(bytes, limit, file).run();
   });
 }
 

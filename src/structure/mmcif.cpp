@@ -36,9 +36,9 @@ constexpr std::string_view kFractions = "_atom_site_fract_x";
 std::string_view table_of(std::string_view tag) { return tag.substr(0, tag.find('.') + 1); }
 
 // One row of the atom table: its values, and which of them is of which column.
-class Row {
+class AtomSiteTokens {
  public:
-  Row(const AtomSiteLayout& layout, const std::vector<std::string_view>& values)
+  AtomSiteTokens(const AtomSiteLayout& layout, const std::vector<std::string_view>& values)
       : layout_(layout), values_(values) {}
 
   // The row for the builder. `number` is that of the row from 1, for messages.
@@ -80,9 +80,9 @@ class Row {
 };
 
 // Reads one file: construct, then call run() once.
-class Reader {
+class MmcifReader {
  public:
-  Reader(std::string_view text, ParsedFile& file, Monitor* monitor)
+  MmcifReader(std::string_view text, ParsedFile& file, Monitor* monitor)
       : tokens_(text, file.path), file_(file), monitor_(monitor), builder_(file) {}
 
   // Returns false, and leaves the file as it is, if it is of a small molecule or a component.
@@ -231,7 +231,7 @@ class Reader {
   std::size_t take_rows(const AtomSiteLayout& found, std::size_t width) {
     const AtomSiteLayout layout = completed_layout(found, file_.path);
     std::vector<std::string_view> values(width);
-    const Row row(layout, values);
+    const AtomSiteTokens row(layout, values);
     std::size_t count = 0, column = 0;
     CifToken token = token_;  // in registers
     for (; token.kind == CifKind::value; token = tokens_.next(), ++count) {
@@ -251,7 +251,7 @@ class Reader {
     if (incomplete_) completed_layout(*incomplete_, file_.path);
     if (single_values_.empty()) return;
     const AtomSiteLayout layout = completed_layout(single_, file_.path);
-    builder_.add(Row(layout, single_values_).read(1, file_.path, builder_));
+    builder_.add(AtomSiteTokens(layout, single_values_).read(1, file_.path, builder_));
   }
 
   CifTokens tokens_;
@@ -302,7 +302,7 @@ ParsedFile parse_mmcif(std::string_view text, const std::string& path, Monitor* 
     std::replace(lines.begin(), lines.end(), '\r', '\n');
     const std::string_view read = lone_cr ? std::string_view(lines) : text;
     file.format = "mmcif";
-    if (!Reader(read, file, monitor).run()) read_small_molecule(read, file);
+    if (!MmcifReader(read, file, monitor).run()) read_small_molecule(read, file);
   });
 }
 

@@ -1,29 +1,31 @@
-// Reads PDB files: normalises the text and hands the result to gemmi's parser.
+// Reads PDB files record by record.
 //
-// gemmi expects records that follow the format strictly. Real files do not: old files carry entry
-// ids in columns 73-80, simulation programs leave out elements, models have no end, serial numbers
-// pass 99,999. Therefore:
-// 1. layout_of() scans the file once and finds out how it uses the disputed columns.
-// 2. Normaliser rewrites each record that gemmi needs, and checks it with messages that name the
-//    line. It renumbers atoms from 0, so that gemmi::Atom::serial is the index of an AtomRecord.
-// 3. gemmi parses the rewritten text, the models get the names that the file gives them, and the
-//    AtomRecords what gemmi has read.
-// REMARK 350 (assemblies) does not go to gemmi but to BiomoleculeReader.
+// Real files do not follow the format strictly: old files carry entry ids in columns 73-80,
+// simulation programs leave out elements, models have no end, serial numbers pass 99,999. Therefore
+// layout_of() scans the file once and finds out how it uses the disputed columns, before PdbReader
+// reads it with messages that name the line.
+//
+// Models, chains and residues are those that gemmi makes of PDB files: a change of the chain's name
+// begins a chain, a residue is looked for among those of the chain before it is added, and TER ends
+// a polymer.
+// REMARK 350 (assemblies) goes to BiomoleculeReader.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <gemmi/pdb.hpp>
+#include <gemmi/polyheur.hpp>
 #include <map>
 #include <optional>
+#include <unordered_map>
+#include <utility>
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
+#include "core/read_double.hpp"
 #include "structure/biomolecules.hpp"
 #include "structure/elements.hpp"
-#include "structure/hierarchy.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
 #include "structure/pdb_records.hpp"
@@ -33,22 +35,14 @@
 namespace vdwmesh {
 namespace {
 
-// The rewritten text must hold every number in the columns that gemmi reads. Models have four
-// columns. Atoms have five columns of hybrid-36 (see serial_number() below), of which only the
-// capitals are used: the values from 0 to 100,000 + 26 * 36^4 - 1, which is kMaxAtoms.
+// The format has four columns for the number of a model.
 constexpr std::size_t kMaxModels = 9999;
-constexpr std::uint64_t kMaxAtoms = 43'770'015;
 // Columns count from 0, while the manual of the format counts them from 1.
 constexpr std::size_t kFourthLetter = 20;   // of a residue name, or blank
 constexpr std::size_t kTagColumn = 72;      // entry tag or segment id
 constexpr std::size_t kChargeColumn = 70;   // of PDBQT
 constexpr std::size_t kElementColumn = 76;  // two columns, right-aligned
 constexpr std::size_t kLastColumn = 78;     // end of the element; the charge behind it is not used
-// Residue names of four letters for gemmi; see four_columns_of().
-constexpr char kWideName = '\1';
-constexpr std::size_t kDigits = 94;  // the printable characters
-constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
-
 // Whether the eight characters from column 73 on are the entry tag of files from before 1996: the
 // entry id, possibly a revision letter, and the line number ("4PTI  75", "4INSB 12", "1ABC1234").
 bool is_entry_tag(std::string_view tag) {
@@ -59,7 +53,7 @@ bool is_entry_tag(std::string_view tag) {
 }
 
 // How the file uses the columns on which programs disagree.
-struct Layout {
+struct PdbLayout {
   bool entry_tags = false;     // columns 73-80 hold entry tags, so there is no element in them
   bool names_at_left = false;  // atom names begin in column 13 even if the element has one letter
   bool pdbqt = false;          // AutoDock's: a charge in columns 71-76, the atom type from 78 on
@@ -100,8 +94,8 @@ int vote_for_wide_names(std::string_view line) {
 // where the format puts elements of one letter. Entry tags must show one and the same entry id in
 // more than half of the atoms; a single match could be chance. One bead is enough for `beads`,
 // because no real atom has the name of a bead.
-Layout layout_of(std::string_view text) {
-  Layout layout;
+PdbLayout layout_of(std::string_view text) {
+  PdbLayout layout;
   std::size_t atoms = 0, aligned = 0, at_left = 0, charges = 0;
   std::int64_t wide = 0;                           // votes for wide names, less those against them
   bool in_use = false;                             // whether column 21 holds anything
@@ -148,19 +142,30 @@ std::optional<std::int64_t> serial_number(std::string_view field) {
   return whole_number(digits);
 }
 
-// Writes an index as a serial number in hybrid-36: the inverse of serial_number() for capitals.
-std::string five_columns(std::uint64_t index) {
-  std::string field(5, ' ');
-  if (index < 100'000) {
-    std::size_t place = field.size();
-    do {
-      field[--place] = kDigits36[index % 10];
-    } while ((index /= 10) != 0);
-    return field;
-  }
-  std::uint64_t rest = index - 100'000 + std::uint64_t{10} * 36 * 36 * 36 * 36;
-  for (std::size_t i = field.size(); i-- > 0; rest /= 36) field[i] = kDigits36[rest % 36];
-  return field;
+// Reads a residue's number from four columns: decimal, or in hybrid-36 beyond 9999. Nothing if they
+// are blank, and whatever digits stand there otherwise.
+gemmi::SeqId::OptionalNum residue_number(std::string_view field) {
+  gemmi::SeqId::OptionalNum number;
+  const bool is_hybrid = field[0] >= 'A';
+  field = trimmed(field);
+  if (field.empty()) return number;
+  if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
+  int value = 0;
+  std::from_chars(field.data(), field.data() + field.size(), value, is_hybrid ? 36 : 10);
+  number = is_hybrid ? value - 10 * 36 * 36 * 36 + 10'000 : value;
+  return number;
+}
+
+// The number at the beginning of the field, whatever stands behind it; 0 if there is none.
+float leading_number(std::string_view field) {
+  field = trimmed(field);
+  if (field.starts_with('+')) field.remove_prefix(1);
+  double number = 0;
+  if (const std::optional<double> found = short_decimal(field))
+    number = *found;
+  else
+    read_double(field.data(), field.data() + field.size(), number);
+  return static_cast<float>(number);
 }
 
 // The symbol of an atom type of AutoDock: A is carbon, and a capital A, D or S behind N, O, S or H
@@ -179,54 +184,43 @@ bool is_symbol_of(std::string_view text, std::string_view name) {
          upper_case(trimmed(name)).starts_with(upper_case(text));
 }
 
-// Rewrites the text of a PDB file for gemmi, and collects what gemmi does not take: an AtomRecord
-// for each atom, the names of the models, and the assemblies. Call run() once, then the accessors.
-class Normaliser {
+// Reads one file: construct, then call run() once.
+class PdbReader {
  public:
-  Normaliser(std::string_view text, const std::string& path)
-      : path_(path), rest_(text), layout_(layout_of(text)) {}
+  PdbReader(std::string_view text, const std::string& path)
+      : rest_(text), layout_(layout_of(text)) {
+    file_.path = path;
+    file_.format = "pdb";
+    file_.structure = std::make_shared<gemmi::Structure>();
+    file_.coarse_grained = layout_.beads;
+  }
 
-  void run(Monitor* monitor) {
-    // Short records grow when they are padded; an eighth more avoids most reallocations.
-    text_.reserve(rest_.size() + rest_.size() / 8);
+  ParsedFile run(Monitor* monitor) {
     std::string_view line;
     for (number_ = 1; next_line(rest_, line); ++number_) {
       if (number_ % kLinesPerCheck == 0) advance(monitor, 0);
       take(line);
     }
-    if (atoms_.empty())
-      throw FileFormatError(path_ + ": has no ATOM or HETATM record, so there is nothing to mesh");
-  }
-
-  const std::string& text() const { return text_; }
-  std::vector<AtomRecord> take_atoms() { return std::move(atoms_); }
-  AssemblyTables take_assemblies() { return biomolecules_.finish(); }
-  bool coarse_grained() const { return layout_.beads; }
-  bool elements_in_doubt() const { return in_doubt_; }
-  const std::vector<std::string>& model_names() const { return models_.names(); }
-
-  // Gives the residues that gemmi has read from text() their names of four letters.
-  void restore_names(gemmi::Structure& structure) const {
-    for (const ResiduePlace& place : numbered_residues(structure)) {
-      std::string& name = place.residue->name;
-      if (name.size() != 3 || name[0] != kWideName) continue;
-      const auto digit = [&name](std::size_t i) { return static_cast<std::size_t>(name[i] - '!'); };
-      name = wide_names_.at(digit(1) * kDigits + digit(2));
-    }
+    if (file_.atoms.empty())
+      throw FileFormatError(file_.path +
+                            ": has no ATOM or HETATM record, so there is nothing to mesh");
+    for (gemmi::Model& model : file_.structure->models)
+      for (gemmi::Chain& chain : model.chains)
+        if (chain.residues.front().entity_type != gemmi::EntityType::Unknown)
+          gemmi::assign_subchain_names(chain);
+    file_.assemblies = biomolecules_.finish();
+    return std::move(file_);
   }
 
  private:
-  // Handles one line. TER and SEQRES are passed on because gemmi derives entity types (polymer,
-  // ligand) from them, and selections can name these types; what stands behind column 72 may be an
-  // entry tag and is cut off. open_model() writes MODEL and ENDMDL records anew. All other records
-  // are left out.
+  // Handles one line. Other records than these are passed over.
   void take(std::string_view line) {
     if (is_atom_record(line)) {
       take_atom(line);
     } else if (models_.take(line)) {
       return;
-    } else if (is_record(line, "TER") || starts_with_record(line, "SEQRES")) {
-      text_.append(line.substr(0, kTagColumn)).append("\n");
+    } else if (is_record(line, "TER") && (line.size() == 3 || !is_digit(line[3]))) {
+      end_polymer();
     } else if (starts_with_record(line, "REMARK 350")) {
       biomolecules_.take(line.substr(0, kTagColumn), number_);
     } else if (line.starts_with(' ') && is_atom_record(trimmed(line))) {
@@ -234,52 +228,83 @@ class Normaliser {
     }
   }
 
-  // Begins a model in the rewritten text, before its first atom. The models are numbered from 1,
-  // because files leave numbers out or repeat them, and gemmi refuses repeated numbers.
-  void open_model() {
-    const std::size_t count = models_.names().size();
-    if (count > kMaxModels)
-      refuse(fmt::format("more than {} models; cut the file into smaller ones", kMaxModels));
-    if (count > 1) text_ += "ENDMDL\n";
-    text_ += fmt::format("MODEL     {:4}\n", count);
+  // Residues behind a TER are no polymer, also where the chain's name comes again. Selections can
+  // name these types.
+  void end_polymer() {
+    if (!chain_ || is_after_ter_) return;
+    for (gemmi::Residue& residue : chain_->residues)
+      residue.entity_type = gemmi::EntityType::Polymer;
+    is_after_ter_ = true;
   }
 
-  // Checks an atom record, rewrites it to exactly kLastColumn columns, and adds its AtomRecord. A
-  // serial number that cannot be read is replaced by the number of the atom in the file, from 1.
+  // Checks an atom record and adds its AtomRecord. A serial number that cannot be read is replaced
+  // by the number of the atom in the file, from 1.
   void take_atom(std::string_view line) {
-    if (models_.begins_model()) open_model();
-    if (atoms_.size() >= kMaxAtoms)
-      refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
-    check_coordinates(line);
-    const std::size_t begin = text_.size();
-    const std::string_view symbol = symbol_field(line);
-    text_.append(line.substr(0, width_of(line, symbol)));
-    text_.resize(begin + kLastColumn, ' ');
-    const std::string_view record = std::string_view(text_).substr(begin);
-    const auto replace = [&](std::size_t column, std::string_view field) {
-      field.copy(text_.data() + begin + column, field.size());
-    };
+    if (models_.begins_model()) {
+      if (models_.names().size() > kMaxModels)
+        refuse(fmt::format("more than {} models; cut the file into smaller ones", kMaxModels));
+      file_.structure->models.emplace_back(models_.names().back());
+      chain_ = nullptr;
+    }
     AtomRecord atom;
+    atom.position = position_of(line);
+    const std::string_view symbol = symbol_field(line);
+    record_ = line.substr(0, width_of(line, symbol));
+    record_.resize(kLastColumn, ' ');
     atom.line = number_;
     atom.hetero = starts_with_record(line, "HETATM");
-    atom.serial =
-        serial_number(columns(record, 6, 5)).value_or(static_cast<std::int64_t>(atoms_.size()) + 1);
-    replace(0, atom.hetero ? "HETATM" : "ATOM  ");
-    replace(6, five_columns(atoms_.size()));
-    const std::string residue(trimmed(columns(record, 17, layout_.wide_names ? 4 : 3)));
-    if (layout_.wide_names) replace(17, four_columns_of(residue));
-    if (is_decimal(columns(record, kTagColumn, 4))) replace(kTagColumn, "    ");
-    // gemmi reads a blank occupancy as 0; the atom is meant to be there in full.
-    if (trimmed(columns(record, 54, 6)).empty()) replace(54, "  1.00");
-    set_element(symbol, record, residue, atom);
-    const std::string_view element = gemmi::element_name(atom.element);
-    replace(kElementColumn, "  ");
-    replace(kLastColumn - element.size(), element);
-    atoms_.push_back(atom);
-    text_ += '\n';
+    atom.serial = serial_number(columns(record_, 6, 5))
+                      .value_or(static_cast<std::int64_t>(file_.atoms.size()) + 1);
+    atom.name = trimmed(columns(record_, 12, 4));
+    if (record_[16] != ' ') atom.altloc = record_[16];
+    // The atom is meant to be there in full where the occupancy is blank.
+    const std::string_view occupancy = columns(record_, 54, 6);
+    atom.occupancy = trimmed(occupancy).empty() ? 1 : leading_number(occupancy);
+    atom.b_iso = leading_number(columns(record_, 60, 6));
+    atom.residue = enter_residue(atom.hetero);
+    set_element(symbol, residue_->name, atom);
+    file_.atoms.push_back(atom);
   }
 
-  // How many columns of the record gemmi may see. An entry tag would be read as an element, and a
+  // The number of the residue in record_, which is added where it is new.
+  std::uint32_t enter_residue(bool hetero) {
+    const std::string_view name = columns(record_, 17, layout_.wide_names ? 4 : 3),
+                           chain = layout_.wide_names ? columns(record_, 21, 1)
+                                                      : columns(record_, kFourthLetter, 2),
+                           segment = columns(record_, kTagColumn, 4);
+    gemmi::ResidueId id;
+    id.name = trimmed(name);
+    id.seqid = {residue_number(columns(record_, 22, 4)), record_[26]};
+    if (!is_decimal(segment)) id.segment = trimmed(segment);
+    if (!chain_ || chain_->name != trimmed(chain)) open_chain(std::string(trimmed(chain)));
+    if (!residue_ || !residue_->matches(id)) {
+      const auto [place, is_new] = places_.try_emplace(id, chain_->residues.size());
+      if (is_new) add_residue(id, hetero);
+      residue_ = &chain_->residues[place->second];
+    }
+    return first_residue_ + static_cast<std::uint32_t>(residue_ - chain_->residues.data());
+  }
+
+  void open_chain(std::string name) {
+    gemmi::Model& model = file_.structure->models.back();
+    const gemmi::Chain* const before = model.find_chain(name);
+    is_after_ter_ = before && before->residues[0].entity_type == gemmi::EntityType::Polymer;
+    chain_ = &model.chains.emplace_back(std::move(name));
+    residue_ = nullptr;
+    places_.clear();
+    first_residue_ = residues_;
+  }
+
+  void add_residue(const gemmi::ResidueId& id, bool hetero) {
+    gemmi::Residue& residue = chain_->residues.emplace_back(id);
+    ++residues_;
+    residue.het_flag = hetero ? 'H' : 'A';
+    if (is_after_ter_)
+      residue.entity_type =
+          residue.is_water() ? gemmi::EntityType::Water : gemmi::EntityType::NonPolymer;
+  }
+
+  // How many columns of the record are read. An entry tag would be read as an element, and a
   // charge or a symbol too far to the left as a segment.
   std::size_t width_of(std::string_view line, std::string_view symbol) const {
     if (layout_.pdbqt) return kChargeColumn - 4;
@@ -309,29 +334,16 @@ class Normaliser {
   }
 
   // Beads have no element.
-  void set_element(std::string_view symbol, std::string_view record, std::string_view residue,
-                   AtomRecord& atom) {
+  void set_element(std::string_view symbol, std::string_view residue, AtomRecord& atom) {
     atom.element = gemmi::find_element(element_of_symbol(symbol));
     if (layout_.beads) {
       atom.element_guessed = atom.element == gemmi::El::X;
       return;
     }
-    read_element(symbol, columns(record, 12, 4),
+    read_element(symbol, columns(record_, 12, 4),
                  layout_.names_at_left ? NamePlace::word : NamePlace::columns, residue, atom);
-    in_doubt_ |= atom.element_guessed || atom.symbol_overruled || atom.is_virtual ||
-                 atom.element == gemmi::El::D;
-  }
-
-  // A residue name for gemmi, which reads three columns: a longer one is replaced by a number of
-  // two digits behind a character that no name has. restore_names() takes it back.
-  std::string four_columns_of(const std::string& residue) {
-    if (residue.size() < 4) return fmt::format("{:<4}", residue);
-    const auto [name, is_new] = wide_numbers_.try_emplace(residue, wide_names_.size());
-    if (is_new) wide_names_.push_back(residue);
-    if (name->second >= kDigits * kDigits)
-      refuse(fmt::format("more than {} residue names of four letters", kDigits * kDigits));
-    const auto digit = [](std::size_t value) { return static_cast<char>('!' + value); };
-    return {kWideName, digit(name->second / kDigits), digit(name->second % kDigits), ' '};
+    file_.elements_in_doubt |= atom.element_guessed || atom.symbol_overruled || atom.is_virtual ||
+                               atom.element == gemmi::El::D;
   }
 
   // A number with a point is a charge or a factor, and no segment id.
@@ -339,60 +351,46 @@ class Normaliser {
     return field.find('.') != std::string_view::npos && finite_number(field).has_value();
   }
 
-  // gemmi reads whatever digits it finds, so shifted columns would become a wrong position.
-  void check_coordinates(std::string_view line) const {
+  // Shifted columns would give a wrong position if whatever digits are there were read.
+  Vec3d position_of(std::string_view line) const {
     static constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+    Vec3d position;
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
       const std::size_t first = 30 + 8 * axis;
       const std::string_view field = columns(line, first, 8);
-      if (finite_number(field)) continue;
-      refuse(
-          fmt::format("{} in columns {}-{} is {}, not a finite number; "
-                      "PDB needs fixed columns (whitespace-separated: --format pqr or xyzr)",
-                      kAxes[axis], first + 1, first + 8, in_quotes(field)));
+      const std::optional<double> number = finite_number(field);
+      if (!number)
+        refuse(
+            fmt::format("{} in columns {}-{} is {}, not a finite number; "
+                        "PDB needs fixed columns (whitespace-separated: --format pqr or xyzr)",
+                        kAxes[axis], first + 1, first + 8, in_quotes(field)));
+      position[static_cast<int>(axis)] = *number;
     }
+    return position;
   }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw FileFormatError(fmt::format("{}:{}: {}", path_, number_, what));
+    throw FileFormatError(fmt::format("{}:{}: {}", file_.path, number_, what));
   }
 
-  std::string path_;
+  ParsedFile file_;
   std::string_view rest_;  // the lines that are still to be read
-  Layout layout_;
-  std::string text_;          // the rewritten file
+  PdbLayout layout_;
+  std::string record_;        // of the current atom, of kLastColumn columns
   std::uint32_t number_ = 0;  // of the current line, from 1
-  bool in_doubt_ = false;     // as in ParsedFile
   ModelRecords models_;
-  std::vector<AtomRecord> atoms_;
   BiomoleculeReader biomolecules_;
-  std::vector<std::string> wide_names_;              // of four letters
-  std::map<std::string, std::size_t> wide_numbers_;  // their indices
+  gemmi::Chain* chain_ = nullptr;      // of the atom before; null at the beginning of a model
+  gemmi::Residue* residue_ = nullptr;  // of the atom before, in chain_
+  std::unordered_map<gemmi::ResidueId, std::size_t> places_;  // in chain_
+  std::uint32_t residues_ = 0, first_residue_ = 0;            // so far; before chain_
+  bool is_after_ter_ = false;
 };
 
 }  // namespace
 
 ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* monitor) {
-  Normaliser normaliser(text, path);
-  normaliser.run(monitor);
-  ParsedFile file;
-  try {
-    file.structure = std::make_shared<gemmi::Structure>(
-        gemmi::read_pdb_from_memory(normaliser.text().data(), normaliser.text().size(), path));
-  } catch (const std::runtime_error& error) {
-    throw FileFormatError(fmt::format("{}: {}", path, one_line(error.what())));
-  }
-  for (std::size_t i = 0; i < file.structure->models.size(); ++i)
-    file.structure->models[i].name = normaliser.model_names().at(i);
-  normaliser.restore_names(*file.structure);
-  file.atoms = normaliser.take_atoms();
-  take_gemmi_atoms(file);
-  file.assemblies = normaliser.take_assemblies();
-  file.path = path;
-  file.format = "pdb";
-  file.coarse_grained = normaliser.coarse_grained();
-  file.elements_in_doubt = normaliser.elements_in_doubt();
-  return file;
+  return PdbReader(text, path).run(monitor);
 }
 
 }  // namespace vdwmesh

@@ -1,7 +1,7 @@
 // Reads PQR files: ATOM and HETATM records like those of PDB, whose last fields are charge and
 // radius (PDB2PQR, APBS). Fields are separated by blanks, but some programs write fixed columns,
 // where neighbouring fields may touch; add_pqr_record() reads both. gemmi has no parser for the
-// format. Builder creates the gemmi::Structure.
+// format. PqrBuilder creates the gemmi::Structure.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace {
 
 // The contents of one line. The views point into the text of the file. `number` is the residue's
 // number, and `residue` its name.
-struct Row {
+struct PqrRow {
   std::array<double, 3> position{};  // Å
   double radius = 0;                 // Å
   std::string_view serial, name, residue, chain, number;
@@ -34,9 +34,9 @@ struct Row {
 // Builds the ParsedFile atom by atom. A new chain begins when the chain id changes, and a new
 // residue when the chain, the residue's number or its name changes. Call begin_model() before the
 // first atom.
-class Builder {
+class PqrBuilder {
  public:
-  explicit Builder(const std::string& path) {
+  explicit PqrBuilder(const std::string& path) {
     file_.path = path;
     file_.format = "pqr";
     file_.own_radii = true;
@@ -48,7 +48,7 @@ class Builder {
     chain_ = nullptr;
   }
 
-  void add(const Row& row, const char* element, std::uint32_t line) {
+  void add(const PqrRow& row, const char* element, std::uint32_t line) {
     const std::uint32_t residue = residue_of(row);
     AtomRecord& record = file_.atoms.emplace_back();
     record.position = {row.position[0], row.position[1], row.position[2]};
@@ -69,7 +69,7 @@ class Builder {
 
  private:
   // The number of the residue that the row belongs to; begins a new one if necessary.
-  std::uint32_t residue_of(const Row& row) {
+  std::uint32_t residue_of(const PqrRow& row) {
     if (!chain_ || chain_->name != row.chain) {
       std::vector<gemmi::Chain>& chains = file_.structure->models.back().chains;
       chains.emplace_back(std::string(row.chain));
@@ -132,7 +132,7 @@ constexpr std::array kLayouts{
 // Reads the names of the row by columns, and puts x, y, z and the fields behind them into
 // `numbers`. False if the line does not keep to the layout: the coordinates must be numbers of
 // three decimals in their columns, and no name may have a blank in it, as pieces of two words have.
-bool take_columns(std::string_view line, const PqrColumns& layout, Row& row,
+bool take_columns(std::string_view line, const PqrColumns& layout, PqrRow& row,
                   std::vector<std::string_view>& numbers) {
   numbers.clear();
   for (const std::size_t first : layout.position) {
@@ -187,7 +187,7 @@ std::size_t place_of_number(const std::vector<std::string_view>& words) {
 }
 
 // The same for fields that are separated by blanks, in any columns.
-void take_words(std::string_view line, Row& row, std::vector<std::string_view>& numbers,
+void take_words(std::string_view line, PqrRow& row, std::vector<std::string_view>& numbers,
                 const std::string& path, std::uint32_t number) {
   const std::vector<std::string_view> words = words_of(line);
   if (words.size() < 10)
@@ -218,7 +218,7 @@ class PqrAccount {
   explicit PqrAccount(const std::string& path) : path_(path) {}
 
   // `more` are the fields behind the radius. Programs write the element there, which is no news.
-  void add(const Row& row, double charge, const char* element, std::uint32_t line,
+  void add(const PqrRow& row, double charge, const char* element, std::uint32_t line,
            std::span<const std::string_view> more) {
     if (more.size() > 1 || (more.size() == 1 && upper_case(more[0]) != upper_case(element)))
       note(more_, line, more[0]);
@@ -283,9 +283,9 @@ class PqrAccount {
 // Reads one record: ATOM serial name residue [chain] number x y z charge radius. `line` is that of
 // the file.
 void add_pqr_record(std::string_view record, std::uint32_t line, const std::string& path,
-                    Builder& builder, PqrAccount& account) {
+                    PqrBuilder& builder, PqrAccount& account) {
   static constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
-  Row row;
+  PqrRow row;
   std::vector<std::string_view> numbers;
   const bool is_aligned =
       std::any_of(kLayouts.begin(), kLayouts.end(), [&](const PqrColumns& layout) {
@@ -340,7 +340,7 @@ void refuse_pdb(std::string_view text, const std::string& path) {
 }  // namespace
 
 ParsedFile parse_pqr(std::string_view text, const std::string& path) {
-  Builder builder(path);
+  PqrBuilder builder(path);
   PqrAccount account(path);
   refuse_pdb(text, path);
   ModelRecords models;

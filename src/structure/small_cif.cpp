@@ -1,5 +1,6 @@
 // Reads CIF files of small molecules as their asymmetric unit, and those of chemical components.
-// gemmi parses the text and places the fractional coordinates.
+// gemmi parses the text, because these files are short (cif_tokens.hpp says why it does not parse
+// others), and places the fractional coordinates.
 #include <fmt/format.h>
 
 #include <algorithm>

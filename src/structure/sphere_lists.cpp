@@ -26,15 +26,15 @@ namespace {
 }
 
 // Lines of XYZR that one thread reads at a time.
-struct Piece {
+struct PieceOfLines {
   std::string_view text;
   std::size_t first_line = 0, first_sphere = 0;  // in the file, from 0
   std::size_t faulty_line = kNoLine;             // the first of its lines that is at fault, from 0
   static constexpr std::size_t kNoLine = ~std::size_t{0};
 };
 
-std::vector<Piece> cut(std::string_view text) {
-  std::vector<Piece> pieces;
+std::vector<PieceOfLines> cut(std::string_view text) {
+  std::vector<PieceOfLines> pieces;
   for (const std::string_view piece : pieces_of_spheres(text)) pieces.push_back({piece});
   return pieces;
 }
@@ -97,7 +97,7 @@ std::size_t for_each_sphere(std::string_view piece, const Visit& visit) {
 
 // Counts the lines and spheres of the pieces, so that each knows its first ones. Returns the number
 // of spheres.
-std::size_t number_pieces(std::vector<Piece>& pieces) {
+std::size_t number_pieces(std::vector<PieceOfLines>& pieces) {
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&pieces](std::size_t i) {
     std::size_t spheres = 0;
     const auto count = [&spheres](std::size_t, std::string_view) { ++spheres; };
@@ -105,7 +105,7 @@ std::size_t number_pieces(std::vector<Piece>& pieces) {
     pieces[i].first_sphere = spheres;
   });
   std::size_t lines = 0, spheres = 0;
-  for (Piece& piece : pieces) {
+  for (PieceOfLines& piece : pieces) {
     lines += std::exchange(piece.first_line, lines);
     spheres += std::exchange(piece.first_sphere, spheres);
   }
@@ -113,7 +113,7 @@ std::size_t number_pieces(std::vector<Piece>& pieces) {
 }
 
 // Fills the records of the spheres in the piece, and notes the first line that is at fault.
-void read_piece(Piece& piece, std::vector<AtomRecord>& atoms) {
+void read_piece(PieceOfLines& piece, std::vector<AtomRecord>& atoms) {
   std::size_t next = piece.first_sphere;
   for_each_sphere(piece.text, [&](std::size_t index, std::string_view line) {
     const std::size_t in_file = piece.first_line + index;
@@ -126,13 +126,13 @@ void read_piece(Piece& piece, std::vector<AtomRecord>& atoms) {
 
 // Throws if a line of the first piece is at fault. A file of something else shows it here mostly,
 // before records are made for all of its lines: these take 72 bytes each, and a line may have two.
-void check_first(const Piece& piece, std::string_view text, const std::string& path) {
-  std::size_t faulty = Piece::kNoLine;
+void check_first(const PieceOfLines& piece, std::string_view text, const std::string& path) {
+  std::size_t faulty = PieceOfLines::kNoLine;
   for_each_sphere(piece.text, [&](std::size_t index, std::string_view line) {
     AtomRecord record;
-    if (faulty == Piece::kNoLine && !take_sphere(line, record)) faulty = index;
+    if (faulty == PieceOfLines::kNoLine && !take_sphere(line, record)) faulty = index;
   });
-  if (faulty != Piece::kNoLine) refuse_sphere(text, faulty, path);
+  if (faulty != PieceOfLines::kNoLine) refuse_sphere(text, faulty, path);
 }
 
 }  // namespace
@@ -176,7 +176,7 @@ ParsedFile parse_xyzr(std::string_view text, const std::string& path) {
   file.structure->models.emplace_back("1");
   file.structure->models.back().chains.emplace_back("");
   file.structure->models.back().chains.back().residues.emplace_back().het_flag = 'A';
-  std::vector<Piece> pieces = cut(text);
+  std::vector<PieceOfLines> pieces = cut(text);
   if (pieces.size() > 1) check_first(pieces.front(), text, path);  // one piece is read at once
   const std::size_t count = number_pieces(pieces);
   if (count == 0)
@@ -187,8 +187,8 @@ ParsedFile parse_xyzr(std::string_view text, const std::string& path) {
   atoms.resize(count);
   tbb::parallel_for(std::size_t{0}, pieces.size(),
                     [&](std::size_t i) { read_piece(pieces[i], atoms); });
-  for (const Piece& piece : pieces)
-    if (piece.faulty_line != Piece::kNoLine) refuse_sphere(text, piece.faulty_line, path);
+  for (const PieceOfLines& piece : pieces)
+    if (piece.faulty_line != PieceOfLines::kNoLine) refuse_sphere(text, piece.faulty_line, path);
   return file;
 }
 
