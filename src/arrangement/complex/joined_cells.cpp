@@ -30,47 +30,31 @@
 #include <tuple>
 #include <utility>
 
-#include "arrangement/complex/incremental_cells.hpp"
 #include "arrangement/complex/power_triangulation.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The cells, whichever way finds them.
-RegularCells cells_of(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
-                      std::span<const std::uint32_t> indices, const TakesCell& takes,
-                      std::vector<std::uint8_t>& has_vertex, std::uint64_t memory_limit,
-                      Monitor* monitor) {
-  auto cells =
-      incremental_cells(balls, auxiliary, indices, takes, has_vertex, memory_limit, monitor);
-  if (cells) return std::move(*cells);
-  return regular_cells(balls, auxiliary, indices, takes, has_vertex, memory_limit, monitor);
-}
-
-struct Block {
+struct SpaceBlock {
   Vec3d lower, upper;                // infinite where no other block follows
   std::vector<std::uint32_t> balls;  // indices, ascending
 };
 
 Box box_of_centers(const std::vector<std::uint32_t>& indices, const std::vector<Sphere>& balls) {
-  Box box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (const std::uint32_t i : indices) {
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lower[axis] = std::min(box.lower[axis], balls[i].center[axis]);
-      box.upper[axis] = std::max(box.upper[axis], balls[i].center[axis]);
-    }
-  }
+  Box box = empty_box();
+  for (const std::uint32_t i : indices) include(box, balls[i].center);
   return box;
 }
 
 // Cuts the block in two of about first : second balls across its longest side. Of balls in the
 // cutting plane some may go to either block.
-std::pair<Block, Block> cut(Block block, const std::vector<Sphere>& balls, std::size_t first,
-                            std::size_t second) {
+std::pair<SpaceBlock, SpaceBlock> cut(SpaceBlock block, const std::vector<Sphere>& balls,
+                                      std::size_t first, std::size_t second) {
   const Box box = box_of_centers(block.balls, balls);
   const Vec3d size = box.upper - box.lower;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -78,14 +62,14 @@ std::pair<Block, Block> cut(Block block, const std::vector<Sphere>& balls, std::
                       static_cast<std::ptrdiff_t>(block.balls.size() * first / (first + second));
   std::ranges::nth_element(block.balls, middle, {},
                            [&](std::uint32_t i) { return std::pair(balls[i].center[axis], i); });
-  Block low{block.lower, block.upper, {block.balls.begin(), middle}};
-  Block high{block.lower, block.upper, {middle, block.balls.end()}};
+  SpaceBlock low{block.lower, block.upper, {block.balls.begin(), middle}};
+  SpaceBlock high{block.lower, block.upper, {middle, block.balls.end()}};
   low.upper[axis] = high.lower[axis] = balls[*middle].center[axis];
   return {std::move(low), std::move(high)};
 }
 
-void divide(Block block, const std::vector<Sphere>& balls, std::size_t count,
-            std::vector<Block>& blocks) {
+void divide(SpaceBlock block, const std::vector<Sphere>& balls, std::size_t count,
+            std::vector<SpaceBlock>& blocks) {
   if (count == 1) {
     std::ranges::sort(block.balls);
     blocks.push_back(std::move(block));
@@ -106,7 +90,7 @@ void divide(Block block, const std::vector<Sphere>& balls, std::size_t count,
 // wrong by less than 10⁻⁷ N / (2 D), and its squared distance from a by less than 10⁻⁶ (N / (2
 // D))². Flatter cells are not settled.
 bool is_settled(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d,
-                const Block& block, double margin) {
+                const SpaceBlock& block, double margin) {
   const Vec3d ab = b.center - a.center, ac = c.center - a.center, ad = d.center - a.center;
   const auto offset = [&](const Sphere& s, const Vec3d& to) {
     return squared_norm(to) + (a.radius - s.radius) * (a.radius + s.radius);
@@ -138,7 +122,7 @@ bool is_settled(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere&
 // Small blocks have more surface, and a wider margin costs less than what it settles: of 4,558
 // balls in eight blocks 1.8 leaves 1,050 to the rest, and 2.3 leaves 561. Where balls are crowded,
 // the reach of a cell is that of the largest balls, which have radii of nearly 1.
-double margin_of(const Block& block, const std::vector<Sphere>& balls) {
+double margin_of(const SpaceBlock& block, const std::vector<Sphere>& balls) {
   constexpr std::size_t kSmallBlock = 2500;
   const Box box = box_of_centers(block.balls, balls);
   const Vec3d size = box.upper - box.lower;
@@ -148,7 +132,7 @@ double margin_of(const Block& block, const std::vector<Sphere>& balls) {
   return std::max(widening * spacing, 1.5);
 }
 
-bool is_within(const Vec3d& center, const Block& block, double margin) {
+bool is_within(const Vec3d& center, const SpaceBlock& block, double margin) {
   for (int axis = 0; axis < 3; ++axis) {
     if (center[axis] < block.lower[axis] - margin || center[axis] > block.upper[axis] + margin) {
       return false;
@@ -158,7 +142,7 @@ bool is_within(const Vec3d& center, const Block& block, double margin) {
 }
 
 // The balls in the block and those within the margin around it.
-std::vector<std::uint32_t> list_near(const Block& block, double margin,
+std::vector<std::uint32_t> list_near(const SpaceBlock& block, double margin,
                                      const std::vector<Sphere>& balls) {
   std::vector<std::uint32_t> near;
   for (std::uint32_t i = 0; i < balls.size(); ++i) {
@@ -169,13 +153,13 @@ std::vector<std::uint32_t> list_near(const Block& block, double margin,
 
 // Whether a block with its margin has nearly all balls, as it has if one ball is larger than all
 // others together. Then blocks only repeat each other's work.
-bool is_nearly_all(const Block& block, const std::vector<Sphere>& balls) {
+bool is_nearly_all(const SpaceBlock& block, const std::vector<Sphere>& balls) {
   return 4 * list_near(block, margin_of(block, balls), balls).size() > 3 * balls.size();
 }
 
 // The settled cells whose lowest vertex is a ball of the block.
 RegularCells triangulate_block(const std::vector<Sphere>& balls,
-                               const std::array<Vec3d, 4>& auxiliary, const Block& block,
+                               const std::array<Vec3d, 4>& auxiliary, const SpaceBlock& block,
                                std::vector<std::uint8_t>& has_vertex, std::uint64_t memory_limit,
                                Monitor* monitor) {
   const double margin = margin_of(block, balls);
@@ -186,21 +170,21 @@ RegularCells triangulate_block(const std::vector<Sphere>& balls,
     return v[2] < balls.size() && v[3] < balls.size() && is_own[v[0]] &&
            is_settled(balls[v[0]], balls[v[1]], balls[v[2]], balls[v[3]], block, margin);
   };
-  RegularCells cells = cells_of(balls, auxiliary, near, takes, appears, memory_limit, monitor);
+  RegularCells cells = regular_cells(balls, auxiliary, near, takes, appears, memory_limit, monitor);
   for (const std::uint32_t i : block.balls) has_vertex[i] = appears[i];
   return cells;
 }
 
 // A facet that has a cell on one side only, as yet.
-struct Facet {
+struct OpenFacet {
   std::array<std::uint32_t, 3> vertices;  // ascending
   bool odd;                               // the permutation from kFacetVertices to this order
   std::uint32_t cell, slot;               // opposite to that vertex of that cell
 };
 
-Facet facet_of(const CellVertices& cell, std::uint32_t number, std::uint32_t slot) {
+OpenFacet facet_of(const CellVertices& cell, std::uint32_t number, std::uint32_t slot) {
   const auto& k = kFacetVertices[slot];
-  Facet f{{cell[k[0]], cell[k[1]], cell[k[2]]}, false, number, slot};
+  OpenFacet f{{cell[k[0]], cell[k[1]], cell[k[2]]}, false, number, slot};
   f.odd = sort_is_odd(f.vertices);
   return f;
 }
@@ -215,7 +199,7 @@ class Joiner {
         monitor_(monitor),
         has_vertex_(balls.size(), 0) {}
 
-  RegularCells run(std::vector<Block> blocks) && {
+  RegularCells run(std::vector<SpaceBlock> blocks) && {
     std::vector<RegularCells> parts(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
       parts[i] =
@@ -256,12 +240,12 @@ class Joiner {
     }
   }
 
-  void link(const Facet& a, const Facet& b) {
+  void link(const OpenFacet& a, const OpenFacet& b) {
     out_.neighbors[a.cell][a.slot] = b.cell;
     out_.neighbors[b.cell][b.slot] = a.cell;
   }
 
-  void add_unpaired(std::uint32_t c, std::vector<Facet>& facets) const {
+  void add_unpaired(std::uint32_t c, std::vector<OpenFacet>& facets) const {
     for (std::uint32_t k = 0; k < 4; ++k) {
       if (out_.neighbors[c][k] == kNoIndex) facets.push_back(facet_of(out_.cells[c], c, k));
     }
@@ -270,11 +254,11 @@ class Joiner {
   // Fills open_ with the facets that have no cell on one side, sorted, after linking those that two
   // blocks have in common.
   void pair_facets() {
-    std::vector<Facet> all =
-        collect<Facet>(out_.cells.size(), [&](std::size_t c, std::vector<Facet>& facets) {
+    std::vector<OpenFacet> all =
+        collect<OpenFacet>(out_.cells.size(), [&](std::size_t c, std::vector<OpenFacet>& facets) {
           add_unpaired(static_cast<std::uint32_t>(c), facets);
         });
-    tbb::parallel_sort(all.begin(), all.end(), [](const Facet& a, const Facet& b) {
+    tbb::parallel_sort(all.begin(), all.end(), [](const OpenFacet& a, const OpenFacet& b) {
       return std::tie(a.vertices, a.cell) < std::tie(b.vertices, b.cell);
     });
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -286,16 +270,16 @@ class Joiner {
       }
     }
     first_open_.assign(balls_.size() + 1, 0);
-    for (const Facet& f : open_) ++first_open_[f.vertices[0] + 1];
+    for (const OpenFacet& f : open_) ++first_open_[f.vertices[0] + 1];
     std::partial_sum(first_open_.begin(), first_open_.end(), first_open_.begin());
   }
 
   // The open facet with the same vertices, or null.
-  const Facet* open_facet(const Facet& f) const {
+  const OpenFacet* open_facet(const OpenFacet& f) const {
     if (f.vertices[0] >= balls_.size()) return nullptr;
     const auto begin = open_.begin() + first_open_[f.vertices[0]],
                end = open_.begin() + first_open_[f.vertices[0] + 1];
-    const auto found = std::ranges::lower_bound(begin, end, f.vertices, {}, &Facet::vertices);
+    const auto found = std::ranges::lower_bound(begin, end, f.vertices, {}, &OpenFacet::vertices);
     return found != end && found->vertices == f.vertices ? &*found : nullptr;
   }
 
@@ -306,7 +290,7 @@ class Joiner {
         std::atomic_ref(is_open[v]).store(0, std::memory_order_relaxed);
       }
     });
-    for (const Facet& f : open_) {
+    for (const OpenFacet& f : open_) {
       for (const std::uint32_t v : f.vertices) is_open[v] = 1;
     }
     std::vector<std::uint32_t> balls;
@@ -319,7 +303,7 @@ class Joiner {
   // Adds the cells that are not settled. They are numbered in the order of the flood.
   void add_rest() {
     std::vector<std::uint8_t> unused(balls_.size());
-    const RegularCells rest = cells_of(
+    const RegularCells rest = regular_cells(
         balls_, auxiliary_, open_balls(), [](const CellVertices&) { return true; }, unused,
         memory_limit_, monitor_);
     const auto first = static_cast<std::uint32_t>(out_.cells.size());
@@ -331,8 +315,8 @@ class Joiner {
     };
     for (std::uint32_t c = 0; c < rest.cells.size(); ++c) {
       for (std::uint32_t k = 0; k < 4; ++k) {
-        const Facet f = facet_of(rest.cells[c], c, k);
-        const Facet* const open = open_facet(f);
+        const OpenFacet f = facet_of(rest.cells[c], c, k);
+        const OpenFacet* const open = open_facet(f);
         if (rest.neighbors[c][k] == kNoIndex || (open != nullptr && open->odd != f.odd)) reach(c);
       }
     }
@@ -343,8 +327,8 @@ class Joiner {
       out_.cells.push_back(rest.cells[c]);
       out_.neighbors.push_back({kNoIndex, kNoIndex, kNoIndex, kNoIndex});
       for (std::uint32_t k = 0; k < 4; ++k) {
-        const Facet f = facet_of(rest.cells[c], number[c], k);
-        if (const Facet* const open = open_facet(f)) {
+        const OpenFacet f = facet_of(rest.cells[c], number[c], k);
+        if (const OpenFacet* const open = open_facet(f)) {
           met += open->odd != f.odd;
           link(f, *open);
         } else if (rest.neighbors[c][k] == kNoIndex) {
@@ -366,7 +350,7 @@ class Joiner {
   Monitor* const monitor_;
   std::vector<std::uint8_t> has_vertex_;  // by ball: not hidden in the triangulation of its block
   RegularCells out_;
-  std::vector<Facet> open_;
+  std::vector<OpenFacet> open_;
   std::vector<std::uint32_t> first_open_;  // by lowest vertex: its first facet in open_
 };
 
@@ -377,13 +361,13 @@ RegularCells joined_cells(const std::vector<Sphere>& balls, const std::array<Vec
   std::vector<std::uint32_t> all(balls.size());
   std::iota(all.begin(), all.end(), std::uint32_t{0});
   const Vec3d everywhere{kInfinity, kInfinity, kInfinity};
-  std::vector<Block> divided;
+  std::vector<SpaceBlock> divided;
   divide({-1.0 * everywhere, everywhere, all}, balls,
          std::max<std::size_t>(1, std::min(blocks, balls.size())), divided);
-  const auto repeats = [&](const Block& block) { return is_nearly_all(block, balls); };
+  const auto repeats = [&](const SpaceBlock& block) { return is_nearly_all(block, balls); };
   if (divided.size() == 1 || std::ranges::any_of(divided, repeats)) {
     std::vector<std::uint8_t> unused(balls.size());
-    return cells_of(
+    return regular_cells(
         balls, auxiliary, all, [](const CellVertices&) { return true; }, unused, memory_limit,
         monitor);
   }

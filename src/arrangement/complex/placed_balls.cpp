@@ -12,6 +12,7 @@
 #include "core/buffer.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -59,30 +60,26 @@ Sphere scaled(const Sphere& s, int exponent) {
           std::ldexp(s.radius, -exponent)};
 }
 
-// The lower corner of the box around all balls, and a length that no side of the box exceeds. It is
-// at least 2^-40 of every coordinate, so that adding it to them survives rounding. Throws
-// InvalidInput if coordinates of up to 32 times this length would not be finite.
-struct Extent {
-  Vec3d lower;
-  double reach;
-};
-Extent extent_of(const std::vector<Sphere>& balls) {
-  Vec3d lower = balls[0].center, upper = lower;
-  for (const Sphere& b : balls) {
-    for (int k = 0; k < 3; ++k) {
-      lower[k] = std::min(lower[k], b.center[k] - b.radius);
-      upper[k] = std::max(upper[k], b.center[k] + b.radius);
-    }
-  }
+Box box_of_balls(const std::vector<Sphere>& balls) {
+  Box box = empty_box();
+  for (const Sphere& b : balls) include(box, box_of(b));
+  return box;
+}
+
+// A length that no side of the box exceeds. It is at least 2^-40 of every coordinate, so that
+// adding it to them survives rounding. Throws InvalidInput if coordinates of up to 32 times this
+// length would not be finite.
+double reach_of(const Box& box) {
   double reach = 0;
   for (int k = 0; k < 3; ++k) {
     constexpr double kLeastRelativeReach = 0x1p-40;
-    reach = std::max({reach, upper[k] - lower[k], kLeastRelativeReach * std::abs(lower[k]),
-                      kLeastRelativeReach * std::abs(upper[k])});
+    reach =
+        std::max({reach, box.upper[k] - box.lower[k], kLeastRelativeReach * std::abs(box.lower[k]),
+                  kLeastRelativeReach * std::abs(box.upper[k])});
   }
   // With room for sums.
   if (!std::isfinite(64 * reach)) throw InvalidInput("the spheres' extent overflows a double");
-  return {lower, reach};
+  return reach;
 }
 
 }  // namespace
@@ -92,8 +89,9 @@ Extent extent_of(const std::vector<Sphere>& balls) {
 // sum is at most 15 reach, and the far facet is where the sum is 32 reach. So every ball is far
 // inside.
 std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
-  const auto [lower, reach] = extent_of(balls);
-  const Vec3d corner = lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
+  const Box box = box_of_balls(balls);
+  const double reach = reach_of(box);
+  const Vec3d corner = box.lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
   std::array<Vec3d, 4> points{corner, corner, corner, corner};
   for (int k = 0; k < 3; ++k) points[static_cast<std::size_t>(k) + 1][k] += 32 * reach;
   return points;
@@ -117,7 +115,7 @@ PlacedBalls placed_balls(const SphereSet& spheres, const BallFrame& frame) {
   for_each_index(out.ids.size(), [&](std::size_t i) {
     out.balls[i] = scaled(spheres[out.ids[i]], out.scale_exponent);
   });
-  extent_of(out.balls);  // throws
+  reach_of(box_of_balls(out.balls));  // throws
   return out;
 }
 

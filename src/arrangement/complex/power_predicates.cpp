@@ -16,10 +16,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "arrangement/complex/number_vector.hpp"
-#include "core/lanes.hpp"
-#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -36,14 +35,6 @@ constexpr double kTinyBound = 1e-280;
 
 using numbers::from_to;
 using numbers::Vector;
-
-// Lane i gets lane i + kBy, counted in a circle.
-template <int kBy>
-VDWMESH_INLINE Lanes lanes_after(const Lanes& lanes) {
-  return __builtin_shufflevector(lanes, lanes, kBy, (kBy + 1) % 4, (kBy + 2) % 4, (kBy + 3) % 4);
-}
-VDWMESH_INLINE Lanes absolute_lanes(const Lanes& lanes) { return lanes < 0 ? -lanes : lanes; }
-VDWMESH_INLINE Lanes larger_lanes(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 
 template <class T>
 T squared_radius(const Sphere& a) {
@@ -72,44 +63,25 @@ T orientation_value(const Sphere& a, const Sphere& b, const Sphere& c, const Sph
 // are the vectors from t to p, q, r, s, expanded by its last column.
 template <class T>
 T power_side_value(const Sphere& p, const Sphere& q, const Sphere& r, const Sphere& s,
-                   const Sphere& t) {
+                   const Sphere& t, double* magnitude) {
   const Vector<T> a = from_to<T>(t, p), b = from_to<T>(t, q), c = from_to<T>(t, r),
                   d = from_to<T>(t, s);
   const T wa = power_offset(t, p, a), wb = power_offset(t, q, b), wc = power_offset(t, r, c),
           wd = power_offset(t, s, d);
+  if constexpr (std::is_same_v<T, double>) {
+    const auto most = [](double i, double j, double k, double l) {
+      return std::max({std::abs(i), std::abs(j), std::abs(k), std::abs(l)});
+    };
+    const double x = most(a.x, b.x, c.x, d.x), y = most(a.y, b.y, c.y, d.y),
+                 z = most(a.z, b.z, c.z, d.z),
+                 radius = std::max(most(p.radius, q.radius, r.radius, s.radius), t.radius);
+    *magnitude = 24 * x * y * z * (x * x + y * y + z * z + radius * radius);
+  }
   const T ab = a.x * b.y - b.x * a.y, ac = a.x * c.y - c.x * a.y, ad = a.x * d.y - d.x * a.y,
           bc = b.x * c.y - c.x * b.y, bd = b.x * d.y - d.x * b.y, cd = c.x * d.y - d.x * c.y;
   const T abc = ab * c.z - ac * b.z + bc * a.z, abd = ab * d.z - ad * b.z + bd * a.z,
           acd = ac * d.z - ad * c.z + cd * a.z, bcd = bc * d.z - bd * c.z + cd * b.z;
   return bcd * wa - acd * wb + abd * wc - abc * wd;
-}
-
-// The same in double, and its magnitude. Triangulations spend most of their time here, so a to d
-// are lanes. Lane i has the determinant of the three vectors of the other lanes in the cyclic order
-// that begins behind i: bcd, cda = acd, dab = abd, abc. It has at most 9 roundings, the product
-// with w 16, and the sum of the lanes 18.
-VDWMESH_MULTIVERSION double power_side_in_lanes(const Sphere& p, const Sphere& q, const Sphere& r,
-                                                const Sphere& s, const Sphere& t,
-                                                double* magnitude) {
-  static_assert(sizeof(Sphere) == sizeof(Lanes));
-  const Lanes from{t.center.x, t.center.y, t.center.z, 0};
-  Lanes x = lanes_at(&p.center.x) - from, y = lanes_at(&q.center.x) - from,
-        z = lanes_at(&r.center.x) - from, radius = lanes_at(&s.center.x) - from;
-  // Rows now: a, b, c and d, each with its radius.
-  const Lanes sizes = larger_lanes(larger_lanes(absolute_lanes(x), absolute_lanes(y)),
-                                   larger_lanes(absolute_lanes(z), absolute_lanes(radius)));
-  const double most = std::max(sizes[3], t.radius);
-  *magnitude = 24 * sizes[0] * sizes[1] * sizes[2] *
-               (sizes[0] * sizes[0] + sizes[1] * sizes[1] + sizes[2] * sizes[2] + most * most);
-  transpose(x, y, z, radius);
-  const Lanes own = all_lanes(t.radius);
-  const Lanes w = x * x + y * y + z * z + (own - radius) * (own + radius);
-  const Lanes x1 = lanes_after<1>(x), x2 = lanes_after<2>(x), x3 = lanes_after<3>(x),
-              y1 = lanes_after<1>(y), y2 = lanes_after<2>(y), y3 = lanes_after<3>(y);
-  const Lanes m12 = x1 * y2 - x2 * y1, m13 = x1 * y3 - x3 * y1, m23 = lanes_after<1>(m12);
-  const Lanes terms =
-      w * (lanes_after<1>(z) * m23 - lanes_after<2>(z) * m13 + lanes_after<3>(z) * m12);
-  return (terms[0] - terms[1]) + (terms[2] - terms[3]);
 }
 
 // pow_d - pow_a at the centre of a, which is w_d.
@@ -226,12 +198,29 @@ Sign orientation_sign(const Sphere& a, const Sphere& b, const Sphere& c, const S
 Sign power_side(const Sphere& p, const Sphere& q, const Sphere& r, const Sphere& s,
                 const Sphere& t) {
   return filtered_sign(24, [&]<class T>(const T&, double* magnitude) {
-    if constexpr (std::is_same_v<T, double>) {
-      return power_side_in_lanes(p, q, r, s, t, magnitude);
-    } else {
-      return power_side_value<T>(p, q, r, s, t);
-    }
+    return power_side_value<T>(p, q, r, s, t, magnitude);
   });
+}
+
+// A lifted point that is raised lies above the hyperplane of the others. If it is one of the cell's
+// four, its hyperplane rises with it on its own side of the facet opposite to it. The point that is
+// raised most decides, unless it does not matter: that is, if the last ball's centre is in the
+// plane of that facet. It cannot be in the planes of three facets, without being a vertex.
+Sign conflict_side(const std::array<const Sphere*, 4>& cell, const Sphere& ball) {
+  const Sign side = power_side(*cell[0], *cell[1], *cell[2], *cell[3], ball);
+  if (side != Sign::zero) return side;
+  const auto place = [](const Sphere& s) { return std::tie(s.center.x, s.center.y, s.center.z); };
+  std::array<std::size_t, 4> order{0, 1, 2, 3};
+  std::ranges::sort(
+      order, [&](std::size_t i, std::size_t j) { return place(*cell[i]) > place(*cell[j]); });
+  for (const std::size_t k : order) {
+    if (place(*cell[k]) <= place(ball)) break;
+    std::array<const Sphere*, 4> four = cell;
+    four[k] = &ball;
+    const Sign orientation = orientation_sign(*four[0], *four[1], *four[2], *four[3]);
+    if (orientation != Sign::zero) return orientation;
+  }
+  return Sign::negative;
 }
 
 Sign size_sign(const Sphere& a, const Sphere& b) {

@@ -25,6 +25,13 @@ Sign orientation_sign(const Sphere& a, const Sphere& b, const Sphere& c, const S
 Sign power_side(const Sphere& p, const Sphere& q, const Sphere& r, const Sphere& s,
                 const Sphere& t);
 
+// power_side() of a cell's four balls and another one, never zero: at a tie, as if |x|² - r² had
+// been raised for each ball by a little, and by infinitely more for a ball whose centre comes later
+// in the order of x, then y, then z. So the answers of all cells fit together, in every subset of
+// the balls (O. Devillers and M. Teillaud 2011, "Perturbations for Delaunay and weighted Delaunay
+// 3D triangulations"; CGAL decides in the same way).
+Sign conflict_side(const std::array<const Sphere*, 4>& cell, const Sphere& ball);
+
 // The size of the simplex of these balls: the sign of the squared radius of the smallest sphere
 // orthogonal to all of them. It is <= 0 exactly if the closed balls have a point in common on their
 // dual face, the set of points with equal power to all. Precondition: the centres are affinely

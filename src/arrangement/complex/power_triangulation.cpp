@@ -8,48 +8,36 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <atomic>
-#include <numeric>
 #include <utility>
 
 #include "arrangement/complex/joined_cells.hpp"
-#include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/sorted_rows.hpp"
 
 namespace vdwmesh {
 namespace {
 
+struct PlacedCell {
+  CellVertices vertices;
+  std::uint32_t place;  // in the list that it comes from
+  friend auto operator<=>(const PlacedCell&, const PlacedCell&) = default;
+};
+
 // Puts the cells in the order of their vertices, sorted by the lowest one first, so that cells near
-// in space are near in memory, and the order is that of any other list of the same cells. A
-// counting sort by the lowest vertex on all cores, which leaves the cells of one vertex in any
-// order, then small sorts. `vertices` counts the auxiliary points too.
+// in space are near in memory, and the order is that of any other list of the same cells.
+// `vertices` counts the auxiliary points too.
 void store_sorted(const RegularCells& cells, std::size_t vertices, PowerTriangulation& out) {
   const std::size_t count = cells.cells.size();
-  // While cells are placed, first[v + 1] is the next free place for vertex v. At the end it is the
-  // first place for vertex v + 1.
-  std::vector<std::uint32_t> first(vertices + 2, 0);
-  for_each_index(count, [&](std::size_t c) {
-    std::atomic_ref(first[cells.cells[c][0] + 2]).fetch_add(1, std::memory_order_relaxed);
+  SortedRows<PlacedCell> sorted;
+  sorted.fill(vertices, count, [&](std::size_t c, const auto& add) {
+    add(cells.cells[c][0], {cells.cells[c], static_cast<std::uint32_t>(c)});
   });
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  struct Entry {
-    CellVertices vertices;
-    std::uint32_t place;  // in `cells`
-  };
-  Buffer<Entry> entries(count);
-  for_each_index(count, [&](std::size_t c) {
-    const CellVertices& cell = cells.cells[c];
-    const auto place = std::atomic_ref(first[cell[0] + 1]).fetch_add(1, std::memory_order_relaxed);
-    entries[place] = {cell, static_cast<std::uint32_t>(c)};
-  });
+  const std::span<const PlacedCell> entries = std::as_const(sorted).entries();
   Buffer<std::uint32_t> number(count);  // by place
+  for_each_index(count,
+                 [&](std::size_t i) { number[entries[i].place] = static_cast<std::uint32_t>(i); });
   out.cells.resize(count);
   out.neighbors.resize(count);
-  for_each_index(vertices, [&](std::size_t v) {
-    std::sort(entries.begin() + first[v], entries.begin() + first[v + 1],
-              [](const Entry& a, const Entry& b) { return a.vertices < b.vertices; });
-    for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) number[entries[i].place] = i;
-  });
   for_each_index(count, [&](std::size_t i) {
     out.cells[i] = entries[i].vertices;
     for (std::size_t k = 0; k < 4; ++k) {

@@ -1,4 +1,4 @@
-// The cells of a regular triangulation of some balls, by CGAL. For the library's own use.
+// The cells of a regular triangulation of some balls. For the library's own use.
 #pragma once
 
 #include <array>
@@ -60,7 +60,8 @@ using TakesCell = std::function<bool(const CellVertices&)>;
 // Triangulates the balls of the given indices, in whatever order, with all four auxiliary points,
 // which have the indices from balls.size() on. Writes 1 to has_vertex[i] for each ball i that is
 // not hidden by others. The cells' order depends on the order of the indices, the cells do not:
-// CGAL decides ties as if every centre had been moved by a little, the same way in every subset.
+// ties, five balls that have one orthogonal sphere, are decided the same way in every subset
+// (conflict_side()). Preconditions: no two centres are equal, and no radius is above 1.
 // Throws LimitExceeded if there are 2^32 - 1 cells or more, or if they need more memory than the
 // limit, and Cancelled.
 RegularCells regular_cells(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
