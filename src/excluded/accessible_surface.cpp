@@ -118,18 +118,18 @@ std::unordered_set<std::uint32_t> cells_of_piece(const PowerTriangulation& t,
 }  // namespace
 
 // A boundary loop of the exposed part of a ball.
-struct AccessibleSurface::Loop {
+struct ContactLoop {
   std::uint32_t ball;
   std::uint32_t element;  // its first arc: 2 × arc + side
   bool real;              // has an arc that is not dropped
 };
 
 // All loops, and for each ball that has several the list of them, ascending.
-struct AccessibleSurface::LoopTable {
-  explicit LoopTable(std::uint32_t count) : loops(count, Loop{kNoIndex, 0, false}) {}
+struct ContactLoops {
+  explicit ContactLoops(std::uint32_t count) : loops(count, ContactLoop{kNoIndex, 0, false}) {}
 
   // Adds an element to a loop. Elements come in ascending order.
-  void add(std::uint32_t loop, const Loop& element) {
+  void add(std::uint32_t loop, const ContactLoop& element) {
     loops[loop].real = loops[loop].real || element.real;
     if (loops[loop].ball != kNoIndex) return;
     const bool real = loops[loop].real;
@@ -142,7 +142,7 @@ struct AccessibleSurface::LoopTable {
     list.push_back(loop);
   }
 
-  std::vector<Loop> loops;
+  std::vector<ContactLoop> loops;
   std::unordered_map<std::uint32_t, std::uint32_t> first_of_ball;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> several;
 };
@@ -303,7 +303,7 @@ std::uint32_t AccessibleSurface::number_loops(Buffer<std::uint32_t>& loop_of) co
 
 void AccessibleSurface::find_pieces() {
   Buffer<std::uint32_t> loop_of;
-  LoopTable table(number_loops(loop_of));
+  ContactLoops table(number_loops(loop_of));
   for (std::uint32_t x = 0; x < loop_of.size(); ++x) {
     table.add(loop_of[x], {arcs[x / 2].ball[x % 2], x, !arcs[x / 2].dropped});
   }
@@ -311,7 +311,7 @@ void AccessibleSurface::find_pieces() {
   std::vector<std::uint32_t> piece_of_loop(lowest.size());
   std::vector<std::uint8_t> has_piece(triangulation_.balls.size(), 0);
   for (std::uint32_t l = 0; l < lowest.size(); ++l) {
-    const Loop& loop = table.loops[l];
+    const ContactLoop& loop = table.loops[l];
     if (lowest[l] == l) {
       piece_of_loop[l] = static_cast<std::uint32_t>(contacts.size());
       contacts.push_back({loop.ball, 0, 0, true, 4 * std::numbers::pi, {0, 0, 0}});
@@ -334,7 +334,7 @@ void AccessibleSurface::find_pieces() {
 }
 
 // Returns for each loop the lowest loop of the same piece.
-std::vector<std::uint32_t> AccessibleSurface::lowest_loops(const LoopTable& table) const {
+std::vector<std::uint32_t> AccessibleSurface::lowest_loops(const ContactLoops& table) const {
   std::vector<std::array<std::uint32_t, 2>> rings;
   for (const auto& [ball, list] : table.several) {
     for (const std::uint32_t l : list) {

@@ -78,6 +78,8 @@ inline double flux_through(double radius, const Vec3d& center, double solid_angl
   return radius * radius * (dot(center, vector) + radius * solid_angle) / 3;
 }
 
+struct ContactLoops;
+
 class AccessibleSurface {
  public:
   AccessibleSurface(const PowerTriangulation& triangulation, const DualComplex& complex,
@@ -159,11 +161,9 @@ class AccessibleSurface {
   bool is_low(CornerIndex corner) const;
   void list_sides();
   void link_circles();
-  struct Loop;
-  struct LoopTable;
   void find_pieces();
   std::uint32_t number_loops(Buffer<std::uint32_t>& loop_of) const;
-  std::vector<std::uint32_t> lowest_loops(const LoopTable& table) const;
+  std::vector<std::uint32_t> lowest_loops(const ContactLoops& table) const;
   void measure_pieces();
   void find_components();
 

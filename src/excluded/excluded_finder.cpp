@@ -69,7 +69,7 @@ BoxTree tree_of(std::span<const CircleArc> arcs, const Box& world) {
 }
 
 // What a search looks at; owns nothing.
-struct Searched {
+struct FinderView {
   PatchTreeView accessible;
   BoxTreeView curve_tree, arc_tree;
   std::span<const CircleArc> curves;  // creases and cusps of the excluded surface
@@ -86,7 +86,7 @@ struct Searched {
 // sphere is of one region, and any of its points says which. Otherwise the answer is false if only
 // some probes count, and the search of the arcs gives σ: a patch of the sphere in the outer region
 // has an arc on its border, which is as far from the centre as the gap says.
-bool is_decided(const Searched& s, const Vec3d& point, const LeastGap& least) {
+bool is_decided(const FinderView& s, const Vec3d& point, const LeastGap& least) {
   if (!is_settled(s.accessible, point, least)) return false;
   if (s.surface.includes_all()) return true;
   const Patch& patch = s.accessible.patches[least.patch];
@@ -101,7 +101,7 @@ bool is_decided(const Searched& s, const Vec3d& point, const LeastGap& least) {
 // The distance to the nearest crease or cusp, Å, if that is below `bound` (Å); otherwise the bound.
 // The search ends early at a curve no farther than `least` (Å), because the caller only needs to
 // know that there is one. visit_nearest() ends when its bound is negative.
-double distance_to_curves(const Searched& s, const Vec3d& point, double least, double bound) {
+double distance_to_curves(const FinderView& s, const Vec3d& point, double least, double bound) {
   double nearest = bound * bound, search_bound = nearest;  // Å²
   visit_nearest(s.curve_tree, s.curve_tree.query(point), search_bound,
                 [&](std::uint32_t i, double& until) {
@@ -120,7 +120,7 @@ struct NearestArc {
 // The nearest arc, if its squared distance is below `squared_bound`; otherwise no arc and the
 // bound. The caller knows that no arc is nearer than `squared_least`, so an arc that is no farther
 // ends the search. The arc `hint` is measured first.
-NearestArc nearest_arc(const Searched& s, const Vec3d& point, double squared_least,
+NearestArc nearest_arc(const FinderView& s, const Vec3d& point, double squared_least,
                        double squared_bound, std::uint32_t hint) {
   NearestArc found{squared_bound};
   if (s.arcs.empty()) return found;
@@ -140,7 +140,7 @@ NearestArc nearest_arc(const Searched& s, const Vec3d& point, double squared_lea
 
 // Whether no probe reaches z, the point at the distance p from x on the ray from x through the
 // point. x is the nearest point of the nearest arc. If x is the point itself, there is no ray.
-bool is_beyond_probes(const Searched& s, const Vec3d& point, const NearestArc& nearest,
+bool is_beyond_probes(const FinderView& s, const Vec3d& point, const NearestArc& nearest,
                       const LeastGap& least) {
   const Vec3d x = s.arcs[nearest.arc].nearest_point(point), to = point - x;
   const double length = norm(to);
@@ -160,7 +160,7 @@ bool is_beyond_probes(const Searched& s, const Vec3d& point, const NearestArc& n
 
 // The signed distance of a point whose grown ball of least gap is known, Å, by the steps listed
 // above. `hint` is the arc that is measured first; it becomes the nearest arc.
-double distance_of(const Searched& s, const Vec3d& point, const LeastGap& least,
+double distance_of(const FinderView& s, const Vec3d& point, const LeastGap& least,
                    std::uint32_t& hint) {
   const double to_atom = least.gap + s.probe;
   if (is_decided(s, point, least)) return to_atom;
@@ -181,7 +181,7 @@ double distance_of(const Searched& s, const Vec3d& point, const LeastGap& least,
   return is_beyond_probes(s, point, nearest, least) ? candidate : to_curves;
 }
 
-VDWMESH_MULTIVERSION void measure_all(const Searched& s, std::span<const Vec3d> points,
+VDWMESH_MULTIVERSION void measure_all(const FinderView& s, std::span<const Vec3d> points,
                                       const LeastGap* nearest, double* found) {
   std::uint32_t hint = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -1,7 +1,18 @@
-// The CPU's ExcludedMeasurer, and the sums of rows that a device makes.
+// The CPU's ExcludedMeasurer, and the totals of the sets that a device measured.
 //
-// A set's rows prove themselves by what they sum to: the surface is closed, each crease is found
-// from both of its probes, the Euler characteristic is even, and both volumes are the same.
+// Terms. A row is what one ball has of its set's surface: areas and a volume (BallRow), and sums
+// that check them (CheckRow). A chunk is some rows of one set, which the device has summed. The
+// flux is a second volume, ∫ q · n dA / 3 with the points q and the outward normals n of the
+// surface. A crease has a number, which its two probes give opposite signs.
+//
+// Claim. If no element of a set is missing or wrong, then ∫ n dA is 0, the numbers of the creases
+// sum to 0, the Euler characteristic is even, and the flux is the volume. Of a set that lacks an
+// element, one of the four shows it: a hole is far larger than rounding, and a chance of 2^-64
+// hides a crease.
+//
+// Steps, for each set: (1) its chunks are summed in their order; (2) its totals are made of the
+// sums; (3) if the device gave the set up, or if one of the four does not hold, excluded_measures()
+// measures the set in place of the device.
 #include "excluded/excluded_measurer.hpp"
 
 #include <fmt/format.h>

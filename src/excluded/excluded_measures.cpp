@@ -40,10 +40,10 @@ struct WideVector {
 };
 
 // Sums over the patches that belong to some components of the accessible surface.
-class PatchSums {
+class SurfaceSums {
  public:
-  PatchSums(const AccessibleSurface& surface, const PatchRecords& records,
-            std::span<const std::uint8_t> included, std::span<const double> radius)
+  SurfaceSums(const AccessibleSurface& surface, const PatchRecords& records,
+              std::span<const std::uint8_t> included, std::span<const double> radius)
       : surface_(surface), records_(records), included_(included), radius_(radius) {
     add_contacts();
     add_saddles();
@@ -181,7 +181,7 @@ class ExcludedSum {
 
   ExcludedSurface measure(const std::vector<std::uint8_t>& included) {
     const PatchRecords records(surface_, included, options_.monitor);
-    const PatchSums sums(surface_, records, included, radius_);
+    const SurfaceSums sums(surface_, records, included, radius_);
     ExcludedSurface out = sums.result(exponent_);
     if (options_.shells) set_topology(out, records, included);
     return out;

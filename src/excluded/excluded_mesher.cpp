@@ -93,7 +93,7 @@ class ExcludedMesher {
  private:
   // What is known of a patch between rounds, and at last its mesh. Points of the boundary come
   // first among its vertices.
-  struct Face {
+  struct FaceMesh {
     std::unique_ptr<PatchProgress> progress;  // of a sphere with curves
     std::vector<CurvePoint> boundary;
     PatchVector<Vec3d> interior, normals;  // scaled, relative to the origin; unit
@@ -195,7 +195,7 @@ class ExcludedMesher {
     const SaddleFace& saddle = complex_.saddles[face - complex_.spheres.size()];
     SaddleMesh made =
         mesh_saddle(complex_, sampling_, saddle, options_for(edge_length_, demand, stage), plane);
-    Face& out = faces_[face];
+    FaceMesh& out = faces_[face];
     out.boundary = std::move(made.boundary);
     out.interior = std::move(made.interior);
     out.normals = std::move(made.normals);
@@ -207,7 +207,7 @@ class ExcludedMesher {
                         PatchScratch& scratch) {
     const SphereFace& sphere = complex_.spheres[face];
     const double radius = sphere.sphere.radius;
-    Face& out = faces_[face];
+    FaceMesh& out = faces_[face];
     if (complex_.curves_of(face).empty()) {
       PatchMesh whole = mesh_sphere(edge_length_ / radius);
       place(sphere, whole, out);
@@ -223,7 +223,7 @@ class ExcludedMesher {
     place(sphere, made, out);
   }
 
-  static void place(const SphereFace& sphere, PatchMesh& made, Face& out) {
+  static void place(const SphereFace& sphere, PatchMesh& made, FaceMesh& out) {
     out.normals = made.interior;
     for (Vec3d& n : out.normals) n = (sphere.concave ? -1.0 : 1.0) * n;
     out.interior = std::move(made.interior);
@@ -329,7 +329,7 @@ class ExcludedMesher {
 
   void place_face(std::uint32_t f, std::uint64_t first_vertex, std::uint64_t first_triangle,
                   ExcludedMesh& out) {
-    const Face& face = faces_[f];
+    const FaceMesh& face = faces_[f];
     std::vector<std::uint32_t> vertices;
     for (const CurvePoint& p : face.boundary) {
       vertices.push_back(sampling_.vertex(p.curve, p.index));
@@ -418,7 +418,7 @@ class ExcludedMesher {
   const std::vector<std::uint32_t> pieces_at_first_;  // by curve
   const std::uint64_t all_at_first_;
   const double least_triangles_;  // estimated from the area
-  std::vector<Face> faces_;
+  std::vector<FaceMesh> faces_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one
   ExcludedMeshStats stats_;

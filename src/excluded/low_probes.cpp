@@ -16,18 +16,20 @@ LowProbes::LowProbes(const AccessibleSurface& surface, std::span<const std::uint
     list_.push_back(i);
     entries_.push_back({cell_of(p.center), i});
   }
-  tbb::parallel_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
-    return std::tie(a.cell, a.probe) < std::tie(b.cell, b.probe);
-  });
+  tbb::parallel_sort(entries_.begin(), entries_.end(),
+                     [](const ListedProbe& a, const ListedProbe& b) {
+                       return std::tie(a.cell, a.probe) < std::tie(b.cell, b.probe);
+                     });
 }
 
 LowProbes::Cell LowProbes::cell_of(const Vec3d& point) const {
   return {std::floor(point.z / width_), std::floor(point.y / width_), std::floor(point.x / width_)};
 }
 
-const LowProbes::Entry* LowProbes::first_from(const Cell& cell) const {
-  const auto found = std::lower_bound(entries_.begin(), entries_.end(), cell,
-                                      [](const Entry& e, const Cell& c) { return e.cell < c; });
+const LowProbes::ListedProbe* LowProbes::first_from(const Cell& cell) const {
+  const auto found =
+      std::lower_bound(entries_.begin(), entries_.end(), cell,
+                       [](const ListedProbe& e, const Cell& c) { return e.cell < c; });
   return entries_.data() + (found - entries_.begin());
 }
 

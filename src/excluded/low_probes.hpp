@@ -37,17 +37,17 @@ class LowProbes {
 
  private:
   using Cell = std::array<double, 3>;  // z, y, x
-  struct Entry {
+  struct ListedProbe {
     Cell cell;
     std::uint32_t probe;
   };
   Cell cell_of(const Vec3d& point) const;
-  const Entry* first_from(const Cell& cell) const;
+  const ListedProbe* first_from(const Cell& cell) const;
 
   const AccessibleSurface& surface_;
   double width_;
   std::vector<std::uint32_t> list_;
-  std::vector<Entry> entries_;
+  std::vector<ListedProbe> entries_;
 };
 
 template <class Visit>
@@ -57,8 +57,9 @@ void LowProbes::near(std::uint32_t probe, const Visit& visit) const {
   visit_cells_beside(home[0], [&](double z) {
     visit_cells_beside(home[1], [&](double y) {
       const Cell last{z, y, home[2] + 1};
-      const Entry* const end = entries_.data() + entries_.size();
-      for (const Entry* e = first_from({z, y, home[2] - 1}); e != end && e->cell <= last; ++e) {
+      const ListedProbe* const end = entries_.data() + entries_.size();
+      for (const ListedProbe* e = first_from({z, y, home[2] - 1}); e != end && e->cell <= last;
+           ++e) {
         const Vec3d apart = surface_.between(self, surface_.probes[e->probe]);
         if (e->probe != probe && squared_norm(apart) < width_ * width_) visit(e->probe);
       }

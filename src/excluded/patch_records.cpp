@@ -66,22 +66,19 @@ PatchRecords::PatchRecords(const AccessibleSurface& surface, std::span<const std
       first_crease[next + 1] = static_cast<std::uint32_t>(creases.size());
     }
   };
-  struct Made {
-    ConcavePatch patch;
-    double cones;
-  };
   make_and_add(
       low.list().size(),
       [&](std::size_t i) {
         advance(monitor, 0);
         ConcavePatch patch = concave_patch(surface, low, included, low.list()[i]);
         const double cones = cone_volume(patch);
-        return Made{std::move(patch), cones};
+        return std::pair{std::move(patch), cones};
       },
-      [&](std::size_t, const Made& made) {
-        add_up_to(made.patch.probe);
-        add_cut(surface, made.patch);
-        layer += made.cones;
+      [&](std::size_t, const std::pair<ConcavePatch, double>& made) {
+        const auto& [patch, cones] = made;
+        add_up_to(patch.probe);
+        add_cut(surface, patch);
+        layer += cones;
         first_crease[++next] = static_cast<std::uint32_t>(creases.size());
       });
   add_up_to(static_cast<std::uint32_t>(surface.probes.size()));

@@ -21,10 +21,10 @@ Vec3d start_of(const RolledArc& arc) {
 }
 
 // Profile angles between which the saddle is one piece: two ranges of a spindle, one otherwise.
-struct ProfileRange {
+struct ProfileAngles {
   double from, to;
 };
-std::vector<ProfileRange> ranges_of(const RolledArc& arc) {
+std::vector<ProfileAngles> ranges_of(const RolledArc& arc) {
   const Profile profile = profile_of(arc);
   if (!profile.spindle) return {{profile.end[0], profile.end[1]}};
   return {{profile.end[0], -profile.cusp}, {profile.cusp, profile.end[1]}};
@@ -37,7 +37,7 @@ double area_between(double rho, double p, double from, double to) {
 
 // The profile angle up to which a range has this share of its area: bisection to about 1e-12 rad,
 // which is far below what a sample's place has to be.
-double profile_at(double rho, double p, const ProfileRange& range, double share) {
+double profile_at(double rho, double p, const ProfileAngles& range, double share) {
   const double wanted = share * area_between(rho, p, range.from, range.to);
   double below = range.from, above = range.to;
   for (int step = 0; step < 42; ++step) {
@@ -113,7 +113,7 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, const Sink&
   if (!surface_.includes(arc)) return;
   constexpr double kInverseGoldenRatio = 0.6180339887498948482;
   const double p = surface_.grown.surface.probe_radius, rho = arc.circle_radius;
-  for (const ProfileRange& range : ranges_of(arc)) {
+  for (const ProfileAngles& range : ranges_of(arc)) {
     if (!(range.from < range.to)) continue;
     const double area =
         surface_.unit * surface_.unit * arc.angle * p * area_between(rho, p, range.from, range.to);

@@ -1,8 +1,18 @@
-// Arcs, probes at corners, and the share of one ball in each of them, as flat arrays on the host or
-// on a CUDA device. For the library's own use.
+// The elements of the excluded surfaces of a batch as flat arrays, on the host or on a CUDA device.
+// For the library's own use.
 //
-// Balls are named by their places in a list. Every element has the same name wherever it is found:
-// an arc by its two balls, a corner by its three, ascending, and the side of their plane.
+// Terms. A grown ball is an atom with the probe's radius added. An arc is a part of the circle of
+// two grown balls that no third one covers: a probe rolls along it, and a saddle lies below. A
+// corner is a point of three grown balls that no fourth one covers: a probe stands there, and a
+// concave patch lies below. A row is what one ball has of all its elements.
+//
+// Claim. An element has the same name from whichever ball it is found: a ball is named by its place
+// in the list, an arc by its two balls and its place on their circle, a corner by its three balls,
+// ascending, and the side of their plane. So elements are matched by names, and no position is
+// compared with another one.
+//
+// The steps, in the order of element_pipeline.hpp, are in arc_steps.hpp, corner_steps.hpp and
+// row_steps.hpp.
 #pragma once
 
 #include <cmath>

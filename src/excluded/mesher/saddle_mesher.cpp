@@ -78,13 +78,13 @@ class SaddleTriangulator {
 
  private:
   // A point of the saddle; on the boundary with its place in the sampling.
-  struct Point {
+  struct SaddleVertex {
     TorusPoint torus;
     Vec3d position;
     CurvePoint source;
     std::uint32_t runs;  // the curves around the saddle that it lies on, one bit each
   };
-  struct Piece {
+  struct BoundaryEdge {
     ArcPiece source;
     std::uint32_t run;
   };
@@ -152,7 +152,7 @@ class SaddleTriangulator {
 
   bool insert_boundary() {
     std::vector<PlanePoint> images;
-    for (const Point& p : points_) images.push_back(chart_.project(p.torus));
+    for (const SaddleVertex& p : points_) images.push_back(chart_.project(p.torus));
     plane_.start(images, nullptr);
     std::uint32_t near = 0;
     for (const std::uint32_t i : boundary_order(boundary_count_)) {
@@ -406,8 +406,8 @@ class SaddleTriangulator {
   const PatchOptions& options_;
   const double edge_length_;  // scaled
   PlaneTriangulation& plane_;
-  std::vector<Point> points_;  // first those of the boundary, counter-clockwise
-  std::vector<Piece> pieces_;
+  std::vector<SaddleVertex> points_;  // first those of the boundary, counter-clockwise
+  std::vector<BoundaryEdge> pieces_;
   std::uint32_t boundary_count_ = 0;
   std::uint32_t cusp_ = kNoIndex;  // the point of the cusp, if there is one
   PatchVector<PieceSplit> splits_;
