@@ -140,14 +140,6 @@ class AutomaticBatchExtractor final : public BatchExtractor {
 
 class AutomaticFieldMesher final : public FieldMesher {
  public:
-  SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
-    SampledField field;
-    const std::string fallback = with_fallback(
-        "sampled", [&] { field = make_cuda_field_mesher()->sample(spheres, options); },
-        [&] { field = make_cpu_field_mesher()->sample(spheres, options); });
-    field.fallback = fallback;
-    return field;
-  }
   void mesh_into(ExtractResult& result, const SampledFieldView& field,
                  const ExtractOptions& options) const override {
     result.fallback = with_fallback(

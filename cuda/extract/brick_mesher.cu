@@ -15,9 +15,7 @@
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
-#include "cuda/memory/quick_fetch.cuh"
 #include "cuda/memory/transfer.cuh"
-#include "cuda/memory/work_beside.cuh"
 #include "extract/brick_search.hpp"
 
 namespace vdwmesh {
@@ -153,15 +151,9 @@ void DeviceBrickMesher::count(const KeyRange& own) {
 }
 
 void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
-  if (candidates.padded && (own.begin != 0 || own.end != kNoBrickKey)) {
-    throw InternalError("a padded list of bricks is not of the whole surface");
-  }
   const Stream& stream = source_.stream();
   candidates_ = std::move(candidates);
   mark_end_of(Stage::search);
-  if (candidates_.padded && !fits(candidates_.count * (kBrickBytes + field_bytes(1)))) {
-    end_list_at(find({kNoBrickKey, kNoBrickKey}).begin);
-  }
   const std::uint64_t n = candidates_.count;
   const std::uint64_t fixed = n * kBrickBytes, each = field_bytes(1);
   const bool whole = fits(fixed + n * each);
@@ -174,14 +166,10 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   counted_.bricks = DeviceArray<ActiveBrick>(n, stream.get());
   own_ = find(own);
   const DeviceArray<BrickSums> sums(n, stream.get());
-  // Neighbours follow from the keys alone, and are found beside the counting. The counting is
-  // launched first, since it takes longer.
   neighbours_ = DeviceArray<TriangleNeighbours>(n, stream.get());
-  WorkBeside neighbours(stream.get());
   // The arrows through tally_.data() only compute addresses in device memory.
   count_all({sums.data(), tally_.data()->parts}, tally_.data()->halo_parts);
-  find_triangle_neighbours(candidates_, neighbours_.data(), neighbours.stream());
-  neighbours.join();
+  find_triangle_neighbours(candidates_, neighbours_.data(), stream);
   mark_end_of(Stage::count);
   counted_.before = DeviceArray<BrickSums>(n + 1, stream.get());
   run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -191,27 +179,17 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   BrickTotals* const totals = &tally_.data()->totals;
   launch("add_up", add_up, {1, kCountParts}, stream.get(), tally_.data()->parts,
          counted_.before.data(), n, totals);
-  counted_.totals = fetch_by_kernel(totals, stream);
-  // Every brick of a padded list holds surface, and all are of the range.
-  if (candidates_.padded) end_list_at(counted_.totals.surface_bricks);
+  counted_.totals = fetch(totals, stream);
   own_to_ = counted_.totals.sums;
-  if (own_.begin > 0) own_from_ = fetch_by_kernel(counted_.before.data() + own_.begin, stream);
-  if (own_.end < candidates_.count)
-    own_to_ = fetch_by_kernel(counted_.before.data() + own_.end, stream);
+  if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
+  if (own_.end < candidates_.count) own_to_ = fetch(counted_.before.data() + own_.end, stream);
   halo_ = {own_from_.vertices, counted_.totals.sums.vertices - own_to_.vertices, 0};
   if (own.end != kNoBrickKey) {
     const std::uint64_t begin = find({first_with_border(own), own.end}).begin;
-    const BrickSums sums_there = fetch_by_kernel(counted_.before.data() + begin, stream);
+    const BrickSums sums_there = fetch(counted_.before.data() + begin, stream);
     halo_.naming_triangles = own_to_.triangles - sums_there.triangles;
   }
   mark_end_of(Stage::scan);
-}
-
-// Ends the list of candidates, and the range with it, at this index: what stands behind is padding.
-void DeviceBrickMesher::end_list_at(std::uint64_t count) {
-  candidates_.count = count;
-  candidates_.padded = false;
-  own_.end = count;
 }
 
 // The candidates of the range.
@@ -221,7 +199,7 @@ BrickRange DeviceBrickMesher::find(const KeyRange& range) const {
   const DeviceArray<BrickRange> found(1, stream.get());
   launch("find_keys", find_keys, {1, 2}, stream.get(), candidates_.keys.data(), candidates_.count,
          range, found.data());
-  return fetch_by_kernel(found.data(), stream);
+  return fetch(found.data(), stream);
 }
 
 // Counts the bricks of the range, and with a tally of their own those before and behind it.
@@ -384,19 +362,14 @@ DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
 
 void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
-  const BrickList list = counted_.list(candidates_.count);
-  // Vertices and triangles are made side by side: neither keeps the device busy to its end. The
-  // triangles begin: their blocks, few and long-lived, leave room for those of the vertices, so
-  // that instructions of the one fill the other's waits for memory.
-  WorkBeside triangles(stream.get());
-  emit_triangles_on_device(list, neighbours_, searched_from_, before_mesh_.data(), slab.bricks,
-                           mesh, &tally_.data()->emission, triangles.stream());
+  const BrickList list = counted_.list();
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(list, slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,
                         &tally_.data()->emission.clamped);
   mark_end_of(Stage::vertices);
-  triangles.join();
+  emit_triangles_on_device(list, neighbours_, searched_from_, before_mesh_.data(), slab.bricks,
+                           mesh, &tally_.data()->emission, stream);
   mark_end_of(Stage::triangles);
 }
 
@@ -421,7 +394,7 @@ void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
 }
 
 void DeviceBrickMesher::check_tally() {
-  const DeviceEmissionTally tally = fetch_by_kernel(&tally_.data()->emission, source_.stream());
+  const DeviceEmissionTally tally = fetch(&tally_.data()->emission, source_.stream());
   clamped_ = tally.clamped;
   if (tally.missing_neighbours == 0) return;
   throw InternalError("the surface continues into bricks that the search did not find, at " +

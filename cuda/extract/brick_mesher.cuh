@@ -68,7 +68,6 @@ class DeviceBrickMesher {
   void count_all(const BrickCounts& counts, CountPart* halo_parts);
   void count_range(const BrickRange& range, const BrickCounts& counts) const;
   BrickRange find(const KeyRange& range) const;
-  void end_list_at(std::uint64_t count);
   void number_from(const MeshSize& first);
   std::vector<Slab> plan_slabs(std::uint64_t share, std::uint64_t share_count);
   std::vector<Slab> runs_that_fit(const std::vector<BrickSums>& before, BrickRange share);

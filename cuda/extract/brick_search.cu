@@ -29,7 +29,6 @@
 #include "cuda/extract/ordered_gather.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
-#include "cuda/memory/quick_fetch.cuh"
 #include "extract/blended/block_bounds.hpp"
 #include "extract/blended/local_atom.hpp"
 
@@ -354,7 +353,7 @@ KeyList surviving_children(const Fields& fields, const KeyList& parents, int chi
                                       count.data(), static_cast<std::int64_t>(children),
                                       stream.get());
   });
-  result.count = fetch_by_kernel(count.data(), stream);
+  result.count = fetch(count.data(), stream);
   return result;
 }
 

@@ -123,7 +123,7 @@ struct BlendedShared {
   ActiveBrick brick;
   AtomStage stage;
   union {
-    NodeAtom<kBrickReach> atoms[kAtomChunk];
+    NodeAtom atoms[kAtomChunk];
     float values[kRows][kBrickReach];
   };
 };
@@ -140,7 +140,7 @@ __device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::u
   if (lane >= kRowLanes) return;
   const int y = lane % kBrickReach, z = lane / kBrickReach;
   for (std::uint32_t k = 0; k < count; ++k) {
-    const NodeAtom<kBrickReach>& atom = s.atoms[k];
+    const NodeAtom& atom = s.atoms[k];
     const float scale = s.stage.scale[k];
     const AxisTerm ty = atom.term[1][y];
 #pragma unroll

@@ -39,7 +39,6 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
   if (own >= size) return;
   std::uint32_t* place = neighbours[own].place;
   const std::uint64_t key = keys[own];
-  if (key == kNoBrickKey) return;  // padding, which stands behind all keys
   // The index `at` if the brick there has the wanted key, else kNoBrick.
   const auto place_of = [&](std::uint32_t at, std::uint64_t wanted) {
     return at < size && keys[at] == wanted ? at : kNoBrick;

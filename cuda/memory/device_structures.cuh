@@ -130,10 +130,6 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
 DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
                                       const Stream& stream);
 
-// Writes the blended field at every node of model.grid to `values`; see FieldMesher::sample().
-void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
-                            const Stream& stream);
-
 // A copy of a mesh of the host, with all its arrays.
 DeviceMesh upload_mesh(const IndexedMesh& host, const Stream& stream);
 
