@@ -12,6 +12,7 @@
 // triangles, each to the places that their numbers say. Nothing is appended, so the mesh does not
 // depend on how it was cut into runs, nor on which device made which run. A run that is made on the
 // device and brought to the host is called a slab.
+#include "core/first_from.hpp"
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
@@ -44,16 +45,7 @@ __global__ void add_up(const CountPart* parts, BrickSums* before, std::uint64_t 
 // Index of the first of the rising keys at or above `key`.
 __device__ std::uint64_t first_at_or_above(std::uint64_t key, const std::uint64_t* keys,
                                            std::uint64_t size) {
-  std::uint64_t low = 0, high = size;
-  while (low < high) {
-    const std::uint64_t middle = low + (high - low) / 2;
-    if (keys[middle] < key) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
+  return first_from(std::uint64_t{0}, size, [&](std::uint64_t i) { return keys[i] < key; });
 }
 
 // The same for two keys: one thread each.
@@ -92,7 +84,7 @@ DownloadPart part_for(Buffer<T>& host, std::uint64_t first, const DeviceArray<U>
 
 }  // namespace
 
-struct DeviceBrickMesher::Tally {
+struct MesherTally {
   CountPart parts[kCountParts];       // of the bricks of the range
   CountPart halo_parts[kCountParts];  // of the bricks around it, which nobody asks for
   BrickTotals totals;                 // of the range
@@ -105,7 +97,7 @@ DeviceBrickMesher::DeviceBrickMesher(const BrickSource& source, const ExtractOpt
       options_(options),
       sharers_(sharers),
       marks_(source.stream().get()),
-      tally_(zeros<Tally>(1, source.stream().get())) {}
+      tally_(zeros<MesherTally>(1, source.stream().get())) {}
 
 // ---- memory ----
 
@@ -241,7 +233,7 @@ std::vector<BrickSums> DeviceBrickMesher::number_apart(const FieldStack& stack) 
 }
 
 DeviceMesh DeviceBrickMesher::emit_on_device() {
-  const Slab all{own_, own_from_, own_to_};
+  const BrickSlab all{own_, own_from_, own_to_};
   // A mesh on the device is made in one piece, for which the whole field has to be there.
   const std::uint64_t missing = holds_field_ ? 0 : field_bytes(candidates_.count);
   const std::uint64_t need = mesh_bytes(own_from_, own_to_) + missing;
@@ -258,7 +250,7 @@ void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, s
                              source_.stream().get()),
              "clearing device memory");
   number_from(first);
-  for (const Slab& slab : plan_slabs(share, share_count)) {
+  for (const BrickSlab& slab : plan_slabs(share, share_count)) {
     advance(options_.monitor, 0);  // no progress to tell, but a chance to cancel
     if (!holds_field_ && source_.kept_per_brick() > 0) fill_field(slab.bricks);
     if (slab.to.triangles == slab.from.triangles && slab.to.vertices == slab.from.vertices)
@@ -290,8 +282,8 @@ void DeviceBrickMesher::number_from(const MeshSize& first) {
 // Cuts a share of the range into slabs: one if it is all of the range and the mesh fits beside the
 // field that is kept. Otherwise the field is given up, since a slab needs only that of its own
 // bricks, and each slab takes as many bricks as fit.
-std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::plan_slabs(std::uint64_t share,
-                                                                   std::uint64_t share_count) {
+std::vector<DeviceBrickMesher::BrickSlab> DeviceBrickMesher::plan_slabs(std::uint64_t share,
+                                                                        std::uint64_t share_count) {
   if (own_.size() == 0) return {};
   if (share_count == 1 && holds_field_ && fits(mesh_bytes(own_from_, own_to_))) {
     return {{own_, own_from_, own_to_}};
@@ -310,9 +302,9 @@ std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::plan_slabs(std::uint64_t
     return static_cast<std::uint64_t>(at - before.begin());
   };
   take_field(0);
-  std::vector<Slab> slabs = runs_that_fit(before, {begin_of(share), begin_of(share + 1)});
+  std::vector<BrickSlab> slabs = runs_that_fit(before, {begin_of(share), begin_of(share + 1)});
   std::uint64_t most = 0;
-  for (const Slab& slab : slabs) most = std::max(most, slab.bricks.size());
+  for (const BrickSlab& slab : slabs) most = std::max(most, slab.bricks.size());
   take_field(most);
   return slabs;
 }
@@ -326,10 +318,10 @@ void DeviceBrickMesher::take_field(std::uint64_t bricks) {
   holds_field_ = false;
 }
 
-std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::runs_that_fit(
+std::vector<DeviceBrickMesher::BrickSlab> DeviceBrickMesher::runs_that_fit(
     const std::vector<BrickSums>& before, BrickRange share) {
   const std::uint64_t most = room();
-  std::vector<Slab> slabs;
+  std::vector<BrickSlab> slabs;
   for (std::uint64_t begin = share.begin; begin < share.end;) {
     const auto bytes = [&](std::uint64_t end) {
       return field_bytes(end - begin) + mesh_bytes(before[begin], before[end]);
@@ -354,13 +346,13 @@ void DeviceBrickMesher::fill_field(const BrickRange& slab) const {
                 counted_.bricks.data() + slab.begin, kept_.data(), {sums.data(), parts.data()});
 }
 
-DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
+DeviceMesh DeviceBrickMesher::make_mesh(const BrickSlab& slab) const {
   return DeviceMesh(slab.to.vertices - slab.from.vertices, slab.to.triangles - slab.from.triangles,
                     source_.stream().get(), source_.label_width(), options_.normals,
                     options_.connectivity);
 }
 
-void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
+void DeviceBrickMesher::emit(const BrickSlab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
   const BrickList list = counted_.list();
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
@@ -373,7 +365,7 @@ void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   mark_end_of(Stage::triangles);
 }
 
-void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
+void DeviceBrickMesher::download_slab(const BrickSlab& slab, const DeviceMesh& mesh,
                                       const MeshSize& first, IndexedMesh& host) {
   const std::uint64_t vertex = slab.from.vertices - first.vertices;
   const std::uint64_t triangle = slab.from.triangles - first.triangles;

@@ -156,9 +156,7 @@ struct BlendedTest {
  private:
   // Sum over the four lanes of a child (butterfly reduction over the lane bits 8 and 16).
   __device__ static void join(float& value) {
-    for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) {
-      value += __shfl_xor_sync(kAllLanes, value, static_cast<int>(step));
-    }
+    value = joined_by_warp<kWarp / 2, kChildren>(value, [](float a, float b) { return a + b; });
   }
 };
 

@@ -111,7 +111,7 @@ struct ExtractTimings {
   float count = 0;      // field values, signs, marching cubes cases, counts
   float scan = 0;       // prefix sums over the counts
   float vertices = 0;   // positions, normals, labels
-  float triangles = 0;  // corners and half-edges, made beside the vertices: what they take longer
+  float triangles = 0;  // corners and half-edges
 };
 
 struct DeviceExtraction {
