@@ -26,12 +26,11 @@
 #include "extract/field_list.hpp"
 #include "read_xyzr.hpp"
 #include "small_molecules.cuh"
+#include "support/sampled_spheres.hpp"
 #include "synthetic_sets.hpp"
 
 namespace vdwmesh {
 namespace {
-
-enum class Meshing { no, yes };
 
 // ms of work on the stream, median over repeats after one warm-up.
 double time_on_device(const Stream& stream, const std::function<void()>& work) {
@@ -145,32 +144,24 @@ void report_field_meshing(const SampledFieldView& field, const ExtractOptions& o
       stage(&ExtractTimings::triangles));
 }
 
-// Spheres -> field at every node; then the field is meshed.
-void report_field(const char* name, const SphereSet& spheres, const ExtractOptions& options,
-                  double rate, Meshing meshing) {
+// The field of the spheres at every node, which the host makes, is meshed.
+void report_field(const char* name, const SphereSet& spheres, ExtractOptions options, double rate) {
+  const testing::SampledField sampled = testing::sampled_spheres(spheres, options);
   const Stream stream;
-  const GridSpec grid = make_grid(spheres, options.grid);
-  const FieldModel model = make_field_model(options.field, grid);
-  const CellList list = make_field_list(spheres, model);
-  const DeviceCellList device_list(list.view(), stream.get());
-  const DeviceArray<float> values(grid.node_count(), stream.get());
-  const double sampling = time_on_device(
-      stream, [&] { sample_field_on_device(device_list.view(), model, values.data(), stream); });
-  const double bytes = static_cast<double>(values.bytes());
-  std::printf(
-      "%-34s %lld x %lld x %lld nodes: field at every node %.3f ms (written once: %.3f ms)\n", name,
-      static_cast<long long>(grid.cells.x + 1), static_cast<long long>(grid.cells.y + 1),
-      static_cast<long long>(grid.cells.z + 1), sampling, bytes / rate * 1e3);
-  if (meshing == Meshing::no) return;
-  const SampledFieldView field{grid, values.data(), static_cast<float>(model.isovalue)};
-  ExtractOptions meshed = options;
+  const DeviceArray<float> values =
+      upload(sampled.values.data(), sampled.values.size(), stream.get());
+  const SampledFieldView field{sampled.grid, values.data(), sampled.isovalue};
+  std::printf("%-34s %lld x %lld x %lld nodes\n", name,
+              static_cast<long long>(field.grid.cells.x + 1),
+              static_cast<long long>(field.grid.cells.y + 1),
+              static_cast<long long>(field.grid.cells.z + 1));
   for (const Normals normals : {Normals::none, Normals::gradients}) {
-    meshed.normals = normals;
-    report_field_meshing(field, meshed, rate);
+    options.normals = normals;
+    report_field_meshing(field, options, rate);
   }
-  meshed.normals = Normals::none;
-  meshed.connectivity = Connectivity::triangles;
-  report_field_meshing(field, meshed, rate);
+  options.normals = Normals::none;
+  options.connectivity = Connectivity::triangles;
+  report_field_meshing(field, options, rate);
 }
 
 void report_refinement(const char* name, const SphereSet& spheres, double spacing, int subdivisions,
@@ -294,8 +285,7 @@ void report_synthetic(double rate) {
   for (const int nodes : {256, 512, 1024}) {
     ExtractOptions options = synthetic_options(cluster, nodes);
     report_extraction(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate);
-    report_field(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate,
-                 Meshing::yes);
+    report_field(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate);
     options.field.kind = FieldKind::vdw;
     report_extraction(("synthetic vdw " + std::to_string(nodes)).c_str(), cluster, options, rate);
   }
@@ -332,9 +322,6 @@ void report_million(const SphereSet& spheres, const Parts& parts, double rate) {
   const char* const name = "six copies";
   if (parts.extract) {
     report_extractions(name, spheres, rate);
-    ExtractOptions options;
-    options.field.kind = FieldKind::blinn;
-    report_field(name, spheres, options, rate, Meshing::no);
   }
   for (const int subdivisions : {1, 2}) {
     if (parts.refine) report_refinement(name, spheres, 0.5, subdivisions, Crossings::allow);
@@ -352,29 +339,25 @@ void profile(const std::function<void()>& work) {
   check_cuda(cudaProfilerStop(), "profiler");
 }
 
-// `what`: "vdw", "blinn" (extraction), "nodes" (field at every node) or "field" (field -> mesh).
+// `what`: "vdw", "blinn" (extraction) or "field" (field -> mesh).
 void run_once(const std::string& what, const SphereSet& spheres, ExtractOptions options) {
   const Stream stream;
   options.field.kind = what == "vdw" ? FieldKind::vdw : FieldKind::blinn;
-  const GridSpec grid = make_grid(spheres, options.grid);
-  const FieldModel model = make_field_model(options.field, grid);
+  if (what == "field") {
+    const testing::SampledField sampled = testing::sampled_spheres(spheres, options);
+    const DeviceArray<float> values =
+        upload(sampled.values.data(), sampled.values.size(), stream.get());
+    const SampledFieldView field{sampled.grid, values.data(), sampled.isovalue};
+    options.normals = Normals::none;
+    return profile([&] { mesh_field_on_device(field, options, stream); });
+  }
+  const FieldModel model = make_field_model(options.field, make_grid(spheres, options.grid));
   const CellList list = make_field_list(spheres, model);
   const DeviceCellList device_list(list.view(), stream.get());
-  if (what == "vdw" || what == "blinn") {
-    return profile([&] { extract_on_device(device_list.view(), model, options, stream); });
-  }
-  const DeviceArray<float> values(grid.node_count(), stream.get());
-  const auto sample = [&] {
-    sample_field_on_device(device_list.view(), model, values.data(), stream);
-  };
-  if (what == "nodes") return profile(sample);
-  sample();
-  options.normals = Normals::none;
-  const SampledFieldView field{grid, values.data(), static_cast<float>(model.isovalue)};
-  profile([&] { mesh_field_on_device(field, options, stream); });
+  profile([&] { extract_on_device(device_list.view(), model, options, stream); });
 }
 
-// argv: --once WHAT, where WHAT is "vdw", "blinn", "nodes" or "field"; then a file, which is taken
+// argv: --once WHAT, where WHAT is "vdw", "blinn" or "field"; then a file, which is taken
 // six times if WHAT begins with "six-", or nothing for the synthetic cluster with 1024 nodes along
 // each axis.
 int once(int argc, char** argv) {

@@ -73,14 +73,6 @@ void run_over_host(PipelineResult& result, const SphereSet& spheres, const RunOp
             std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
 }
 
-class CpuPipeline final : public SurfacePipeline {
- public:
-  void run_into(PipelineResult& result, const SphereSet& spheres, const ExtractOptions& extract,
-                const RefineOptions& refine) const override {
-    run_over_host(result, spheres, {extract, refine}, *make_cpu_extractor(), *make_cpu_refiner());
-  }
-};
-
 // An observer that passes each level on to `observer` once. If a first attempt fails and a second
 // one starts from level 0 again, levels that have been passed on are skipped: they have the same
 // bits. `next` is the lowest level that has not been passed on; it must live as long as the result.
@@ -112,14 +104,33 @@ std::string with_fallback(const char* done, const OnDevice& on_device, const OnC
   return std::string(done) + " on the CPU: " + lack;
 }
 
-// The classes Automatic* are used only on a machine with a usable device, see make_extractor().
+template <class Interface>
+using Maker = std::unique_ptr<Interface> (*)();
+
+// with_fallback() for a call of an object that either backend makes.
+template <class Interface, class Call>
+std::string call_with_fallback(const char* done, Maker<Interface> cuda, Maker<Interface> cpu,
+                               const Call& call) {
+  return with_fallback(
+      done, [&] { call(*cuda()); }, [&] { call(*cpu()); });
+}
+
+// The object of an interface for a backend.
+template <class Automatic, class Interface>
+std::unique_ptr<Interface> made_for(Backend backend, Maker<Interface> cuda, Maker<Interface> cpu) {
+  if (resolve(backend) == Backend::cpu) return cpu();
+  if (backend == Backend::cuda) return cuda();
+  return std::make_unique<Automatic>();
+}
+
+// The classes Automatic* are used only on a machine with a usable device, see made_for().
 class AutomaticExtractor final : public Extractor {
  public:
   void extract_into(ExtractResult& result, const SphereSet& spheres,
                     const ExtractOptions& options) const override {
-    result.fallback = with_fallback(
-        "meshed", [&] { make_cuda_extractor()->extract_into(result, spheres, options); },
-        [&] { make_cpu_extractor()->extract_into(result, spheres, options); });
+    result.fallback =
+        call_with_fallback("meshed", make_cuda_extractor, make_cpu_extractor,
+                           [&](const Extractor& e) { e.extract_into(result, spheres, options); });
   }
   std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                      const ExtractOptions& options) const override {
@@ -131,28 +142,19 @@ class AutomaticBatchExtractor final : public BatchExtractor {
  public:
   void extract_into(BatchExtraction& result, const ExtractBatch& batch,
                     const ExtractOptions& options) const override {
-    const std::string fallback = with_fallback(
-        "meshed", [&] { make_cuda_batch_extractor()->extract_into(result, batch, options); },
-        [&] { make_cpu_batch_extractor()->extract_into(result, batch, options); });
-    result.fallback = fallback;
+    result.fallback = call_with_fallback(
+        "meshed", make_cuda_batch_extractor, make_cpu_batch_extractor,
+        [&](const BatchExtractor& e) { e.extract_into(result, batch, options); });
   }
 };
 
 class AutomaticFieldMesher final : public FieldMesher {
  public:
-  SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
-    SampledField field;
-    const std::string fallback = with_fallback(
-        "sampled", [&] { field = make_cuda_field_mesher()->sample(spheres, options); },
-        [&] { field = make_cpu_field_mesher()->sample(spheres, options); });
-    field.fallback = fallback;
-    return field;
-  }
   void mesh_into(ExtractResult& result, const SampledFieldView& field,
                  const ExtractOptions& options) const override {
-    result.fallback = with_fallback(
-        "meshed", [&] { make_cuda_field_mesher()->mesh_into(result, field, options); },
-        [&] { make_cpu_field_mesher()->mesh_into(result, field, options); });
+    result.fallback =
+        call_with_fallback("meshed", make_cuda_field_mesher, make_cpu_field_mesher,
+                           [&](const FieldMesher& m) { m.mesh_into(result, field, options); });
   }
 };
 
@@ -177,15 +179,11 @@ class AutomaticUnionMeasurer final : public UnionMeasurer {
  public:
   void measure_into(BatchMeasures& result, const SphereBatch& batch,
                     Monitor* monitor) const override {
+    const auto measure = [&](const UnionMeasurer& m) { m.measure_into(result, batch, monitor); };
     // The CPU cannot read spheres in device memory, so there is nothing to fall back to.
-    if (batch.memory == MemorySpace::device) {
-      make_cuda_union_measurer()->measure_into(result, batch, monitor);
-      return;
-    }
-    const std::string fallback = with_fallback(
-        "measured", [&] { make_cuda_union_measurer()->measure_into(result, batch, monitor); },
-        [&] { make_cpu_union_measurer()->measure_into(result, batch, monitor); });
-    result.fallback = fallback;
+    if (batch.memory == MemorySpace::device) return measure(*make_cuda_union_measurer());
+    result.fallback =
+        call_with_fallback("measured", make_cuda_union_measurer, make_cpu_union_measurer, measure);
   }
 };
 
@@ -193,25 +191,26 @@ class AutomaticDistanceMeasurer final : public DistanceMeasurer {
  public:
   MeasuredDistances measure(const IndexedMesh& mesh, const SphereSet& spheres,
                             const DistanceOptions& options) const override {
-    return measured_by_either<MeasuredDistances>(
-        [&](const DistanceMeasurer& measurer) { return measurer.measure(mesh, spheres, options); });
+    MeasuredDistances measured;
+    measured.fallback = with_either([&](const DistanceMeasurer& m) {
+      measured.result = m.measure(mesh, spheres, options).result;
+    });
+    return measured;
   }
   MeasuredPoints measure_points(std::span<const Vec3d> points, const SphereSet& spheres,
                                 Monitor* monitor) const override {
-    return measured_by_either<MeasuredPoints>([&](const DistanceMeasurer& measurer) {
-      return measurer.measure_points(points, spheres, monitor);
+    MeasuredPoints measured;
+    measured.fallback = with_either([&](const DistanceMeasurer& m) {
+      measured.result = m.measure_points(points, spheres, monitor).result;
     });
+    return measured;
   }
 
  private:
-  template <class Measured, class Measure>
-  static Measured measured_by_either(const Measure& measure) {
-    Measured measured;
-    measured.fallback = with_fallback(
-        "distances were measured",
-        [&] { measured.result = measure(*make_cuda_distance_measurer()).result; },
-        [&] { measured.result = measure(*make_cpu_distance_measurer()).result; });
-    return measured;
+  template <class Measure>
+  static std::string with_either(const Measure& measure) {
+    return call_with_fallback("distances were measured", make_cuda_distance_measurer,
+                              make_cpu_distance_measurer, measure);
   }
 };
 
@@ -219,16 +218,13 @@ class AutomaticExcludedMeasurer final : public ExcludedMeasurer {
  public:
   void measure_into(ExcludedBatch& result, const SphereBatch& atoms, double probe,
                     Monitor* monitor) const override {
+    const auto measure = [&](const ExcludedMeasurer& m) {
+      m.measure_into(result, atoms, probe, monitor);
+    };
     // The CPU cannot read spheres in device memory, so there is nothing to fall back to.
-    if (atoms.memory == MemorySpace::device) {
-      make_cuda_excluded_measurer()->measure_into(result, atoms, probe, monitor);
-      return;
-    }
-    const std::string fallback = with_fallback(
-        "measured",
-        [&] { make_cuda_excluded_measurer()->measure_into(result, atoms, probe, monitor); },
-        [&] { make_cpu_excluded_measurer()->measure_into(result, atoms, probe, monitor); });
-    result.fallback = fallback;
+    if (atoms.memory == MemorySpace::device) return measure(*make_cuda_excluded_measurer());
+    result.fallback = call_with_fallback("measured", make_cuda_excluded_measurer,
+                                         make_cpu_excluded_measurer, measure);
   }
 };
 
@@ -238,9 +234,9 @@ class AutomaticExactMesher final : public ExactMesher {
     if (spheres.size() < kSpheresWorthADevice)
       return make_cpu_exact_mesher()->mesh(spheres, options);
     ExactMesh made;
-    const std::string fallback = with_fallback(
-        "meshed", [&] { made = make_cuda_exact_mesher()->mesh(spheres, options); },
-        [&] { made = make_cpu_exact_mesher()->mesh(spheres, options); });
+    const std::string fallback =
+        call_with_fallback("meshed", make_cuda_exact_mesher, make_cpu_exact_mesher,
+                           [&](const ExactMesher& m) { made = m.mesh(spheres, options); });
     made.fallback = fallback;
     return made;
   }
@@ -262,33 +258,33 @@ void run_on_device(PipelineResult& result, const SphereSet& spheres, const RunOp
   run_over_host(result, spheres, run, *make_cuda_extractor(), refiner);
 }
 
-class CudaPipeline final : public SurfacePipeline {
+class BackendPipeline final : public SurfacePipeline {
  public:
-  void run_into(PipelineResult& result, const SphereSet& spheres, const ExtractOptions& extract,
-                const RefineOptions& refine) const override {
-    int next_level = 0;
-    RefineOptions observed = refine;
-    observed.on_level = once_per_level(refine.on_level, next_level);
-    run_on_device(result, spheres, {extract, observed}, *make_cuda_refiner());
-  }
-};
+  // `automatic` stands for a machine with a usable device.
+  explicit BackendPipeline(Backend backend) : backend_(backend) {}
 
-class AutomaticPipeline final : public SurfacePipeline {
- public:
   void run_into(PipelineResult& result, const SphereSet& spheres, const ExtractOptions& extract,
                 const RefineOptions& refine) const override {
     int next_level = 0;
     RefineOptions observed = refine;
     observed.on_level = once_per_level(refine.on_level, next_level);
+    const auto on_cpu = [&] {
+      run_over_host(result, spheres, {extract, observed}, *make_cpu_extractor(),
+                    *make_cpu_refiner());
+    };
+    const auto on_device = [&](const Refiner& refiner) {
+      run_on_device(result, spheres, {extract, observed}, refiner);
+    };
+    if (backend_ == Backend::cpu) return on_cpu();
+    if (backend_ == Backend::cuda) return on_device(*make_cuda_refiner());
     const std::string fallback = with_fallback(
-        "meshed",
-        [&] {
-          run_on_device(result, spheres, {extract, observed}, AutomaticRefiner());
-        },
-        [&] { CpuPipeline().run_into(result, spheres, extract, observed); });
+        "meshed", [&] { on_device(AutomaticRefiner()); }, on_cpu);
     // Otherwise the result may name a fallback of its own: of the refinement alone.
     if (!fallback.empty()) result.fallback = fallback;
   }
+
+ private:
+  Backend backend_;
 };
 
 }  // namespace
@@ -308,12 +304,6 @@ void share_devices(std::size_t process) { share_cuda_devices(process); }
 
 void release_device_memory() { release_cuda_memory(); }
 
-std::unique_ptr<Extractor> make_extractor(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_extractor();
-  if (backend == Backend::cuda) return make_cuda_extractor();
-  return std::make_unique<AutomaticExtractor>();
-}
-
 std::unique_ptr<SurfacePart> count_part(Backend backend, const SphereSet& spheres,
                                         std::span<const SphereId> ids, const KeyRange& range,
                                         const ExtractOptions& options) {
@@ -327,57 +317,44 @@ std::unique_ptr<SurfacePart> count_part(Backend backend, const SphereSet& sphere
   return part;
 }
 
+std::unique_ptr<Extractor> make_extractor(Backend backend) {
+  return made_for<AutomaticExtractor, Extractor>(backend, make_cuda_extractor, make_cpu_extractor);
+}
 std::unique_ptr<BatchExtractor> make_batch_extractor(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_batch_extractor();
-  if (backend == Backend::cuda) return make_cuda_batch_extractor();
-  return std::make_unique<AutomaticBatchExtractor>();
+  return made_for<AutomaticBatchExtractor, BatchExtractor>(backend, make_cuda_batch_extractor,
+                                                           make_cpu_batch_extractor);
 }
-
 std::unique_ptr<Refiner> make_refiner(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_refiner();
-  if (backend == Backend::cuda) return make_cuda_refiner();
-  return std::make_unique<AutomaticRefiner>();
+  return made_for<AutomaticRefiner, Refiner>(backend, make_cuda_refiner, make_cpu_refiner);
 }
-
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_field_mesher();
-  if (backend == Backend::cuda) return make_cuda_field_mesher();
-  return std::make_unique<AutomaticFieldMesher>();
+  return made_for<AutomaticFieldMesher, FieldMesher>(backend, make_cuda_field_mesher,
+                                                     make_cpu_field_mesher);
 }
-
 std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_union_measurer();
-  if (backend == Backend::cuda) return make_cuda_union_measurer();
-  return std::make_unique<AutomaticUnionMeasurer>();
+  return made_for<AutomaticUnionMeasurer, UnionMeasurer>(backend, make_cuda_union_measurer,
+                                                         make_cpu_union_measurer);
+}
+std::unique_ptr<ExactMesher> make_exact_mesher(Backend backend) {
+  return made_for<AutomaticExactMesher, ExactMesher>(backend, make_cuda_exact_mesher,
+                                                     make_cpu_exact_mesher);
+}
+std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend) {
+  return made_for<AutomaticDistanceMeasurer, DistanceMeasurer>(backend, make_cuda_distance_measurer,
+                                                               make_cpu_distance_measurer);
+}
+std::unique_ptr<ExcludedMeasurer> make_excluded_measurer(Backend backend) {
+  return made_for<AutomaticExcludedMeasurer, ExcludedMeasurer>(backend, make_cuda_excluded_measurer,
+                                                               make_cpu_excluded_measurer);
+}
+std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend) {
+  return std::make_unique<BackendPipeline>(resolve(backend) == Backend::cpu ? Backend::cpu
+                                                                            : backend);
 }
 
 DeviceArcs measure_arcs_on_device(const SphereSet& spheres) {
   resolve(Backend::cuda);
   return measure_arcs_on_cuda(spheres);
-}
-
-std::unique_ptr<ExactMesher> make_exact_mesher(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_exact_mesher();
-  if (backend == Backend::cuda) return make_cuda_exact_mesher();
-  return std::make_unique<AutomaticExactMesher>();
-}
-
-std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_distance_measurer();
-  if (backend == Backend::cuda) return make_cuda_distance_measurer();
-  return std::make_unique<AutomaticDistanceMeasurer>();
-}
-
-std::unique_ptr<ExcludedMeasurer> make_excluded_measurer(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return make_cpu_excluded_measurer();
-  if (backend == Backend::cuda) return make_cuda_excluded_measurer();
-  return std::make_unique<AutomaticExcludedMeasurer>();
-}
-
-std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend) {
-  if (resolve(backend) == Backend::cpu) return std::make_unique<CpuPipeline>();
-  if (backend == Backend::cuda) return std::make_unique<CudaPipeline>();
-  return std::make_unique<AutomaticPipeline>();
 }
 
 }  // namespace vdwmesh

@@ -6,7 +6,6 @@
 
 #include "analysis/distance_measurer.hpp"
 #include "cuda/cuda_backend.hpp"
-#include "cuda/distances/device_patches.cuh"
 #include "cuda/distances/device_tree.cuh"
 #include "cuda/distances/measure_distances.cuh"
 #include "cuda/memory/device.cuh"
@@ -16,15 +15,15 @@ namespace vdwmesh::distance {
 namespace {
 
 // The exposed surface and the search tree over its patches, in device memory.
-class DeviceSurface {
+class SearchedSurface {
  public:
-  DeviceSurface(const ExposedSurface& surface, const Box& world, const Stream& stream)
+  SearchedSurface(const ExposedSurface& surface, const Box& world, const Stream& stream)
       : patches_(surface, stream), tree_(patches_.balls(), patches_.size(), world, stream) {}
-  const DevicePatches& patches() const { return patches_; }
+  const DeviceExposedPatches& patches() const { return patches_; }
   PatchTreeView view() const { return {patches_.patches(), patches_.balls(), tree_.view()}; }
 
  private:
-  DevicePatches patches_;
+  DeviceExposedPatches patches_;
   DeviceBoxTree tree_;
 };
 
@@ -53,7 +52,7 @@ class CudaDistanceMeasurer final : public DistanceMeasurer {
     // The first piece of work stays on this thread, whose device is the current one.
     run_on_threads(2, [&](std::size_t k) { k == 0 ? prepare_mesh() : prepare_surface(); });
     const DistancePlan plan = planned.get();
-    const DeviceSurface surface(*exposed, plan.world, stream);
+    const SearchedSurface surface(*exposed, plan.world, stream);
     const DistanceStatistics of_mesh =
         mesh_to_surface(soup->view(), surface.view(), options, stream);
     // Most points of the surface are nearer to the mesh than four times the mean of the mesh's
@@ -72,7 +71,7 @@ class CudaDistanceMeasurer final : public DistanceMeasurer {
     const ExposedSurface exposed(spheres, monitor);
     const DeviceScope scope;
     const Stream stream;
-    const DeviceSurface surface(exposed, world, stream);
+    const SearchedSurface surface(exposed, world, stream);
     MeasuredPoints measured{std::vector<double>(points.size()), {}};
     points_to_surface(points, surface.view(), measured.result.data(), monitor, stream);
     return measured;

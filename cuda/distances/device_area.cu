@@ -2,6 +2,7 @@
 // adds them one after another, in all lanes alike.
 #include "core/fixed_blocks.hpp"
 #include "cuda/distances/device_area.cuh"
+#include "cuda/memory/fetch_values.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/warp.cuh"
 
@@ -63,12 +64,8 @@ DeviceArea::DeviceArea(const SoupView& mesh, const Stream& stream) {
   const LaunchShape shape = over(std::uint64_t{blocks} * kWarp, kThreads);
   const DeviceArray<double> device_sums(blocks, stream);
   launch("sum_areas", sum_areas, shape, stream, mesh, blocks, device_sums.data());
-  std::vector<double> sums(blocks);
-  check_cuda(cudaMemcpyAsync(sums.data(), device_sums.data(), device_sums.bytes(),
-                             cudaMemcpyDeviceToHost, stream),
-             "download");
-  stream.wait();
-  const std::vector<double> starts = area_block_starts(sums);
+  const std::vector<double> starts =
+      area_block_starts(fetch_values(device_sums.data(), blocks, stream));
   total_ = starts.back();
   starts_ = upload(starts.data(), starts.size(), stream);
   ends_ = DeviceArray<double>(mesh.triangle_count, stream);

@@ -1,7 +1,7 @@
 // Copies patches to the device. Their covers and corners, which stand in many arrays of the host,
 // are put into one array each, and the patches point into these.
 #include "core/fixed_blocks.hpp"
-#include "cuda/distances/device_patches.cuh"
+#include "cuda/distances/measure_distances.cuh"
 #include "cuda/memory/transfer.cuh"
 
 namespace vdwmesh::distance {
@@ -16,13 +16,13 @@ struct FlatPatches {
   Buffer<Corner> corners;
 };
 
-struct Counts {
+struct ListSizes {
   std::size_t covers = 0, corners = 0;
 };
 
 // The numbers of covers and corners of the patches before each one, and of all.
-std::vector<Counts> prefix_sums(std::span<const Patch> patches) {
-  std::vector<Counts> sums(patches.size() + 1);
+std::vector<ListSizes> prefix_sums(std::span<const Patch> patches) {
+  std::vector<ListSizes> sums(patches.size() + 1);
   for (std::size_t i = 0; i < patches.size(); ++i) {
     sums[i + 1] = {sums[i].covers + patches[i].cover_count,
                    sums[i].corners + patches[i].corner_count};
@@ -31,7 +31,7 @@ std::vector<Counts> prefix_sums(std::span<const Patch> patches) {
 }
 
 // The patches point into device arrays that begin at `covers` and `corners`.
-FlatPatches flatten(const ExposedSurface& surface, const std::vector<Counts>& first,
+FlatPatches flatten(const ExposedSurface& surface, const std::vector<ListSizes>& first,
                     const Cover* covers, const Corner* corners) {
   const std::span<const Patch> patches = surface.searched();
   FlatPatches flat;
@@ -55,11 +55,11 @@ FlatPatches flatten(const ExposedSurface& surface, const std::vector<Counts>& fi
 
 }  // namespace
 
-DevicePatches::DevicePatches(const ExposedSurface& surface, const Stream& stream)
+DeviceExposedPatches::DeviceExposedPatches(const ExposedSurface& surface, const Stream& stream)
     : patches_(surface.searched().size(), stream),
       balls_(surface.searched().size(), stream),
       ranks_(surface.searched().size(), stream) {
-  const std::vector<Counts> first = prefix_sums(surface.searched());
+  const std::vector<ListSizes> first = prefix_sums(surface.searched());
   covers_ = DeviceArray<Cover>(first.back().covers, stream);
   corners_ = DeviceArray<Corner>(first.back().corners, stream);
   const FlatPatches flat = flatten(surface, first, covers_.data(), corners_.data());

@@ -74,9 +74,7 @@ class GroupList {
 
  private:
   __device__ static float least(float x) {
-    for (int step = kWarp / 2; step > 0; step /= 2)
-      x = fminf(x, __shfl_xor_sync(kAllLanes, x, step));
-    return x;
+    return joined_by_warp(x, [](float a, float b) { return fminf(a, b); });
   }
   __device__ static BoxQuery box_around(const BoxQuery& own, bool taken) {
     constexpr float kFar = 4;  // scaled coordinates are in [-1, 1]

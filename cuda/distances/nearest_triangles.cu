@@ -21,7 +21,7 @@
 #include "analysis/distances_triangle.hpp"
 #include "core/hilbert.hpp"
 #include "cuda/distances/group_list.cuh"
-#include "cuda/distances/nearest_triangles.cuh"
+#include "cuda/distances/measure_distances.cuh"
 #include "cuda/distances/warp_search.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"

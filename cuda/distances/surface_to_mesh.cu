@@ -8,7 +8,6 @@
 
 #include "cuda/distances/device_statistics.cuh"
 #include "cuda/distances/measure_distances.cuh"
-#include "cuda/distances/nearest_triangles.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/warp.cuh"
@@ -211,7 +210,7 @@ void add_range(const SampledPatches& patches, const SampleOffsets& offsets, cons
 
 }  // namespace
 
-DistanceStatistics surface_to_mesh(const DevicePatches& patches, const SearchedMesh& mesh,
+DistanceStatistics surface_to_mesh(const DeviceExposedPatches& patches, const SearchedMesh& mesh,
                                    double density, double reach, const DistanceOptions& options,
                                    const Stream& stream) {
   const SampledPatches sampled{patches.patches(), patches.ranks(), patches.size(), density,

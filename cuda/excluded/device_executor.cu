@@ -31,7 +31,7 @@ __global__ void list_overlaps(BatchCellsView list, const SphereMeasures* measure
   const Sphere ball = list.spheres[place];
   const std::uint64_t begin = other != nullptr ? first[self] : 0;
   std::uint64_t found = 0;
-  measure::visit_near(list, ball, measure::set_at(list, place), lane, [&](ListPlace k, bool here) {
+  measure::visit_near(list, ball, measure::set_at(list, place), [&](ListPlace k, bool here) {
     bool near = false;
     if (here && k != place) {
       const Sphere s = list.spheres[k];

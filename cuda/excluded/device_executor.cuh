@@ -13,6 +13,7 @@
 #include "core/errors.hpp"
 #include "cuda/measure/batch_cells.cuh"
 #include "cuda/memory/cub_calls.cuh"
+#include "cuda/memory/fetch_values.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/transfer.cuh"
 #include "excluded/elements/element_pipeline.hpp"
@@ -47,14 +48,7 @@ class DeviceExecutor {
   }
   template <class T>
   std::vector<T> download(const T* from, std::size_t size) const {
-    std::vector<T> host(size);
-    if (size > 0) {
-      check_cuda(cudaMemcpyAsync(host.data(), from, size * sizeof(T), cudaMemcpyDeviceToHost,
-                                 stream_.get()),
-                 "download");
-    }
-    stream_.wait();
-    return host;
+    return fetch_values(from, size, stream_);
   }
   // Of much memory.
   template <class T>

@@ -12,12 +12,11 @@
 // triangles, each to the places that their numbers say. Nothing is appended, so the mesh does not
 // depend on how it was cut into runs, nor on which device made which run. A run that is made on the
 // device and brought to the host is called a slab.
+#include "core/first_from.hpp"
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
-#include "cuda/memory/quick_fetch.cuh"
 #include "cuda/memory/transfer.cuh"
-#include "cuda/memory/work_beside.cuh"
 #include "extract/brick_search.hpp"
 
 namespace vdwmesh {
@@ -46,16 +45,7 @@ __global__ void add_up(const CountPart* parts, BrickSums* before, std::uint64_t 
 // Index of the first of the rising keys at or above `key`.
 __device__ std::uint64_t first_at_or_above(std::uint64_t key, const std::uint64_t* keys,
                                            std::uint64_t size) {
-  std::uint64_t low = 0, high = size;
-  while (low < high) {
-    const std::uint64_t middle = low + (high - low) / 2;
-    if (keys[middle] < key) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
+  return first_from(std::uint64_t{0}, size, [&](std::uint64_t i) { return keys[i] < key; });
 }
 
 // The same for two keys: one thread each.
@@ -94,7 +84,7 @@ DownloadPart part_for(Buffer<T>& host, std::uint64_t first, const DeviceArray<U>
 
 }  // namespace
 
-struct DeviceBrickMesher::Tally {
+struct MesherTally {
   CountPart parts[kCountParts];       // of the bricks of the range
   CountPart halo_parts[kCountParts];  // of the bricks around it, which nobody asks for
   BrickTotals totals;                 // of the range
@@ -107,7 +97,7 @@ DeviceBrickMesher::DeviceBrickMesher(const BrickSource& source, const ExtractOpt
       options_(options),
       sharers_(sharers),
       marks_(source.stream().get()),
-      tally_(zeros<Tally>(1, source.stream().get())) {}
+      tally_(zeros<MesherTally>(1, source.stream().get())) {}
 
 // ---- memory ----
 
@@ -153,15 +143,9 @@ void DeviceBrickMesher::count(const KeyRange& own) {
 }
 
 void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
-  if (candidates.padded && (own.begin != 0 || own.end != kNoBrickKey)) {
-    throw InternalError("a padded list of bricks is not of the whole surface");
-  }
   const Stream& stream = source_.stream();
   candidates_ = std::move(candidates);
   mark_end_of(Stage::search);
-  if (candidates_.padded && !fits(candidates_.count * (kBrickBytes + field_bytes(1)))) {
-    end_list_at(find({kNoBrickKey, kNoBrickKey}).begin);
-  }
   const std::uint64_t n = candidates_.count;
   const std::uint64_t fixed = n * kBrickBytes, each = field_bytes(1);
   const bool whole = fits(fixed + n * each);
@@ -174,14 +158,10 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   counted_.bricks = DeviceArray<ActiveBrick>(n, stream.get());
   own_ = find(own);
   const DeviceArray<BrickSums> sums(n, stream.get());
-  // Neighbours follow from the keys alone, and are found beside the counting. The counting is
-  // launched first, since it takes longer.
   neighbours_ = DeviceArray<TriangleNeighbours>(n, stream.get());
-  WorkBeside neighbours(stream.get());
   // The arrows through tally_.data() only compute addresses in device memory.
   count_all({sums.data(), tally_.data()->parts}, tally_.data()->halo_parts);
-  find_triangle_neighbours(candidates_, neighbours_.data(), neighbours.stream());
-  neighbours.join();
+  find_triangle_neighbours(candidates_, neighbours_.data(), stream);
   mark_end_of(Stage::count);
   counted_.before = DeviceArray<BrickSums>(n + 1, stream.get());
   run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -191,27 +171,17 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   BrickTotals* const totals = &tally_.data()->totals;
   launch("add_up", add_up, {1, kCountParts}, stream.get(), tally_.data()->parts,
          counted_.before.data(), n, totals);
-  counted_.totals = fetch_by_kernel(totals, stream);
-  // Every brick of a padded list holds surface, and all are of the range.
-  if (candidates_.padded) end_list_at(counted_.totals.surface_bricks);
+  counted_.totals = fetch(totals, stream);
   own_to_ = counted_.totals.sums;
-  if (own_.begin > 0) own_from_ = fetch_by_kernel(counted_.before.data() + own_.begin, stream);
-  if (own_.end < candidates_.count)
-    own_to_ = fetch_by_kernel(counted_.before.data() + own_.end, stream);
+  if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
+  if (own_.end < candidates_.count) own_to_ = fetch(counted_.before.data() + own_.end, stream);
   halo_ = {own_from_.vertices, counted_.totals.sums.vertices - own_to_.vertices, 0};
   if (own.end != kNoBrickKey) {
     const std::uint64_t begin = find({first_with_border(own), own.end}).begin;
-    const BrickSums sums_there = fetch_by_kernel(counted_.before.data() + begin, stream);
+    const BrickSums sums_there = fetch(counted_.before.data() + begin, stream);
     halo_.naming_triangles = own_to_.triangles - sums_there.triangles;
   }
   mark_end_of(Stage::scan);
-}
-
-// Ends the list of candidates, and the range with it, at this index: what stands behind is padding.
-void DeviceBrickMesher::end_list_at(std::uint64_t count) {
-  candidates_.count = count;
-  candidates_.padded = false;
-  own_.end = count;
 }
 
 // The candidates of the range.
@@ -221,7 +191,7 @@ BrickRange DeviceBrickMesher::find(const KeyRange& range) const {
   const DeviceArray<BrickRange> found(1, stream.get());
   launch("find_keys", find_keys, {1, 2}, stream.get(), candidates_.keys.data(), candidates_.count,
          range, found.data());
-  return fetch_by_kernel(found.data(), stream);
+  return fetch(found.data(), stream);
 }
 
 // Counts the bricks of the range, and with a tally of their own those before and behind it.
@@ -263,7 +233,7 @@ std::vector<BrickSums> DeviceBrickMesher::number_apart(const FieldStack& stack) 
 }
 
 DeviceMesh DeviceBrickMesher::emit_on_device() {
-  const Slab all{own_, own_from_, own_to_};
+  const BrickSlab all{own_, own_from_, own_to_};
   // A mesh on the device is made in one piece, for which the whole field has to be there.
   const std::uint64_t missing = holds_field_ ? 0 : field_bytes(candidates_.count);
   const std::uint64_t need = mesh_bytes(own_from_, own_to_) + missing;
@@ -280,7 +250,7 @@ void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, s
                              source_.stream().get()),
              "clearing device memory");
   number_from(first);
-  for (const Slab& slab : plan_slabs(share, share_count)) {
+  for (const BrickSlab& slab : plan_slabs(share, share_count)) {
     advance(options_.monitor, 0);  // no progress to tell, but a chance to cancel
     if (!holds_field_ && source_.kept_per_brick() > 0) fill_field(slab.bricks);
     if (slab.to.triangles == slab.from.triangles && slab.to.vertices == slab.from.vertices)
@@ -312,8 +282,8 @@ void DeviceBrickMesher::number_from(const MeshSize& first) {
 // Cuts a share of the range into slabs: one if it is all of the range and the mesh fits beside the
 // field that is kept. Otherwise the field is given up, since a slab needs only that of its own
 // bricks, and each slab takes as many bricks as fit.
-std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::plan_slabs(std::uint64_t share,
-                                                                   std::uint64_t share_count) {
+std::vector<DeviceBrickMesher::BrickSlab> DeviceBrickMesher::plan_slabs(std::uint64_t share,
+                                                                        std::uint64_t share_count) {
   if (own_.size() == 0) return {};
   if (share_count == 1 && holds_field_ && fits(mesh_bytes(own_from_, own_to_))) {
     return {{own_, own_from_, own_to_}};
@@ -332,9 +302,9 @@ std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::plan_slabs(std::uint64_t
     return static_cast<std::uint64_t>(at - before.begin());
   };
   take_field(0);
-  std::vector<Slab> slabs = runs_that_fit(before, {begin_of(share), begin_of(share + 1)});
+  std::vector<BrickSlab> slabs = runs_that_fit(before, {begin_of(share), begin_of(share + 1)});
   std::uint64_t most = 0;
-  for (const Slab& slab : slabs) most = std::max(most, slab.bricks.size());
+  for (const BrickSlab& slab : slabs) most = std::max(most, slab.bricks.size());
   take_field(most);
   return slabs;
 }
@@ -348,10 +318,10 @@ void DeviceBrickMesher::take_field(std::uint64_t bricks) {
   holds_field_ = false;
 }
 
-std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::runs_that_fit(
+std::vector<DeviceBrickMesher::BrickSlab> DeviceBrickMesher::runs_that_fit(
     const std::vector<BrickSums>& before, BrickRange share) {
   const std::uint64_t most = room();
-  std::vector<Slab> slabs;
+  std::vector<BrickSlab> slabs;
   for (std::uint64_t begin = share.begin; begin < share.end;) {
     const auto bytes = [&](std::uint64_t end) {
       return field_bytes(end - begin) + mesh_bytes(before[begin], before[end]);
@@ -376,31 +346,26 @@ void DeviceBrickMesher::fill_field(const BrickRange& slab) const {
                 counted_.bricks.data() + slab.begin, kept_.data(), {sums.data(), parts.data()});
 }
 
-DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
+DeviceMesh DeviceBrickMesher::make_mesh(const BrickSlab& slab) const {
   return DeviceMesh(slab.to.vertices - slab.from.vertices, slab.to.triangles - slab.from.triangles,
                     source_.stream().get(), source_.label_width(), options_.normals,
                     options_.connectivity);
 }
 
-void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
+void DeviceBrickMesher::emit(const BrickSlab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
-  const BrickList list = counted_.list(candidates_.count);
-  // Vertices and triangles are made side by side: neither keeps the device busy to its end. The
-  // triangles begin: their blocks, few and long-lived, leave room for those of the vertices, so
-  // that instructions of the one fill the other's waits for memory.
-  WorkBeside triangles(stream.get());
-  emit_triangles_on_device(list, neighbours_, searched_from_, before_mesh_.data(), slab.bricks,
-                           mesh, &tally_.data()->emission, triangles.stream());
+  const BrickList list = counted_.list();
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(list, slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,
                         &tally_.data()->emission.clamped);
   mark_end_of(Stage::vertices);
-  triangles.join();
+  emit_triangles_on_device(list, neighbours_, searched_from_, before_mesh_.data(), slab.bricks,
+                           mesh, &tally_.data()->emission, stream);
   mark_end_of(Stage::triangles);
 }
 
-void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
+void DeviceBrickMesher::download_slab(const BrickSlab& slab, const DeviceMesh& mesh,
                                       const MeshSize& first, IndexedMesh& host) {
   const std::uint64_t vertex = slab.from.vertices - first.vertices;
   const std::uint64_t triangle = slab.from.triangles - first.triangles;
@@ -421,7 +386,7 @@ void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
 }
 
 void DeviceBrickMesher::check_tally() {
-  const DeviceEmissionTally tally = fetch_by_kernel(&tally_.data()->emission, source_.stream());
+  const DeviceEmissionTally tally = fetch(&tally_.data()->emission, source_.stream());
   clamped_ = tally.clamped;
   if (tally.missing_neighbours == 0) return;
   throw InternalError("the surface continues into bricks that the search did not find, at " +

@@ -8,6 +8,8 @@
 
 namespace vdwmesh {
 
+struct MesherTally;  // device memory that the mesher's kernels add to; begins as zeros
+
 class DeviceBrickMesher {
  public:
   // `sharers` meshers work on the current device at the same time, each with its part of the free
@@ -51,9 +53,8 @@ class DeviceBrickMesher {
   ExtractStats stats(const ExtractTimings& milliseconds) const;
 
  private:
-  struct Tally;  // device memory that kernels add to; begins as zeros
   enum class Stage : std::uint8_t { search, count, scan, vertices, triangles, download, other };
-  struct Slab {
+  struct BrickSlab {
     BrickRange bricks;
     BrickSums from, to;  // numbers of its first vertex and triangle, and of those behind it
   };
@@ -68,15 +69,14 @@ class DeviceBrickMesher {
   void count_all(const BrickCounts& counts, CountPart* halo_parts);
   void count_range(const BrickRange& range, const BrickCounts& counts) const;
   BrickRange find(const KeyRange& range) const;
-  void end_list_at(std::uint64_t count);
   void number_from(const MeshSize& first);
-  std::vector<Slab> plan_slabs(std::uint64_t share, std::uint64_t share_count);
-  std::vector<Slab> runs_that_fit(const std::vector<BrickSums>& before, BrickRange share);
+  std::vector<BrickSlab> plan_slabs(std::uint64_t share, std::uint64_t share_count);
+  std::vector<BrickSlab> runs_that_fit(const std::vector<BrickSums>& before, BrickRange share);
   void take_field(std::uint64_t bricks);
   void fill_field(const BrickRange& slab) const;
-  DeviceMesh make_mesh(const Slab& slab) const;
-  void emit(const Slab& slab, const DeviceMeshView& mesh);
-  void download_slab(const Slab& slab, const DeviceMesh& mesh, const MeshSize& first,
+  DeviceMesh make_mesh(const BrickSlab& slab) const;
+  void emit(const BrickSlab& slab, const DeviceMeshView& mesh);
+  void download_slab(const BrickSlab& slab, const DeviceMesh& mesh, const MeshSize& first,
                      IndexedMesh& host);
   void check_tally();
   void mark_end_of(Stage stage);
@@ -98,7 +98,7 @@ class DeviceBrickMesher {
   HaloVertices halo_;
   DeviceArray<BrickSums> before_mesh_;  // by layer of bricks; empty if all are of one mesh
   DeviceArray<TriangleNeighbours> neighbours_;
-  DeviceArray<Tally> tally_;
+  DeviceArray<MesherTally> tally_;
   std::uint64_t clamped_ = 0, slabs_ = 0;
 };
 

@@ -29,7 +29,6 @@
 #include "cuda/extract/ordered_gather.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
-#include "cuda/memory/quick_fetch.cuh"
 #include "extract/blended/block_bounds.hpp"
 #include "extract/blended/local_atom.hpp"
 
@@ -157,9 +156,7 @@ struct BlendedTest {
  private:
   // Sum over the four lanes of a child (butterfly reduction over the lane bits 8 and 16).
   __device__ static void join(float& value) {
-    for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) {
-      value += __shfl_xor_sync(kAllLanes, value, static_cast<int>(step));
-    }
+    value = joined_by_warp<kWarp / 2, kChildren>(value, [](float a, float b) { return a + b; });
   }
 };
 
@@ -354,7 +351,7 @@ KeyList surviving_children(const Fields& fields, const KeyList& parents, int chi
                                       count.data(), static_cast<std::int64_t>(children),
                                       stream.get());
   });
-  result.count = fetch_by_kernel(count.data(), stream);
+  result.count = fetch(count.data(), stream);
   return result;
 }
 

@@ -22,13 +22,12 @@ class BrickSource {
   // values at its nodes, and the spheres near it. 0: none.
   virtual std::uint64_t kept_per_brick() const { return 0; }
 
-  // Keys, rising, of the bricks of a range that may hold surface. For the whole surface the list
-  // may be padded (KeyList). Throws LimitExceeded if they are more than `most`.
+  // Keys, rising, of the bricks of a range that may hold surface. Throws LimitExceeded if
+  // they are more than `most`.
   virtual KeyList candidates(const KeyRange& range, std::uint64_t most) const = 0;
 
   // Writes the signs and counts of the `size` bricks with these keys to `bricks` and `counts`, and
-  // kept_per_brick() bytes of each to `kept`. A source whose lists are padded counts nothing in
-  // kNoBrickKey.
+  // kept_per_brick() bytes of each to `kept`.
   virtual void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, void* kept,
                      const BrickCounts& counts) const = 0;
 

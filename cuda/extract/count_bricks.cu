@@ -37,7 +37,7 @@ __device__ void keep_places(const ListPlace* batch, std::uint32_t count, std::ui
 
 // Shared memory of a warp, about 3 KB. `places` is longer than a batch by a warp, as
 // gather_by_warp() needs it.
-struct UnionShared {
+struct UnionSignsShared {
   BrickGeometry geometry;
   ActiveBrick brick;
   ListPlace places[kMostSharedBalls + kWarp];
@@ -69,12 +69,12 @@ __global__ void __launch_bounds__(kBrickThreads)
     count_union(const __grid_constant__ Fields fields, const std::uint64_t* keys,
                 std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, KeptUnion* kept,
                 BrickCounts counts) {
-  __shared__ UnionShared shared[kBrickWarps];
+  __shared__ UnionSignsShared shared[kBrickWarps];
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   const std::uint64_t i =
       static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
   if (i >= size) return;
-  UnionShared& s = shared[threadIdx.x / kWarp];
+  UnionSignsShared& s = shared[threadIdx.x / kWarp];
   const FieldOfBlock own = fields.of(keys[i]);
   const FieldContext& f = own.field;
   share_geometry(f.model.grid, own.own_key(keys[i]), s.geometry);
@@ -123,7 +123,7 @@ struct BlendedShared {
   ActiveBrick brick;
   AtomStage stage;
   union {
-    NodeAtom<kBrickReach> atoms[kAtomChunk];
+    NodeAtom atoms[kAtomChunk];
     float values[kRows][kBrickReach];
   };
 };
@@ -140,7 +140,7 @@ __device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::u
   if (lane >= kRowLanes) return;
   const int y = lane % kBrickReach, z = lane / kBrickReach;
   for (std::uint32_t k = 0; k < count; ++k) {
-    const NodeAtom<kBrickReach>& atom = s.atoms[k];
+    const NodeAtom& atom = s.atoms[k];
     const float scale = s.stage.scale[k];
     const AxisTerm ty = atom.term[1][y];
 #pragma unroll

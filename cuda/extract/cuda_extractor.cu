@@ -213,23 +213,6 @@ class CudaExtractor final : public Extractor {
 
 class CudaFieldMesher final : public FieldMesher {
  public:
-  SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
-    SampledField field;
-    const FieldModel model = begin_sampling(field, spheres, options);
-    const std::uint64_t nodes = field.grid.node_count();
-    const DeviceScope scope;
-    require_device_memory(nodes * sizeof(float), "the field", options.device_memory);
-    WorkspaceOfCall workspace(options.workspace);
-    const Stream stream;
-    const DeviceCellList device_list =
-        upload_list(prepare_list(spheres, model, options.frame, workspace), model, stream);
-    const DeviceArray<float> values(nodes, stream.get());
-    sample_field_on_device(device_list.view(), model, values.data(), stream);
-    field.values.resize(nodes);
-    download_parts({{field.values.data(), values.data(), values.bytes()}}, stream);
-    return field;
-  }
-
   void mesh_into(ExtractResult& result, const SampledFieldView& field,
                  const ExtractOptions& options) const override {
     check_sampled(field);

@@ -15,6 +15,7 @@
 #include "cuda/extract/kept_bricks.cuh"
 #include "cuda/extract/union_surface.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/ordered_bits.cuh"
 #include "extract/blended/local_atom.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 
@@ -128,22 +129,12 @@ struct WarpBox {
   }
 };
 
-// The box around the points `local` of the lanes, which all call it. Floats become integers of the
-// same order, because the device has minima and maxima over a warp for these alone.
+// The box around the points `local` of the lanes, which all call it.
 __device__ WarpBox box_of_warp(const Vec3f& local) {
-  constexpr unsigned sign = 1u << 31;
-  const auto ordered = [](float x) {
-    const auto bits = std::bit_cast<unsigned>(x);
-    return (bits & sign) != 0 ? ~bits : bits | sign;
-  };
-  const auto from_ordered = [](unsigned bits) {
-    return std::bit_cast<float>((bits & sign) != 0 ? bits & ~sign : ~bits);
-  };
   WarpBox box{};
   for (int axis = 0; axis < 3; ++axis) {
-    const unsigned bits = ordered(local[axis]);
-    box.lower[axis] = from_ordered(__reduce_min_sync(kAllLanes, bits));
-    box.upper[axis] = from_ordered(__reduce_max_sync(kAllLanes, bits));
+    box.lower[axis] = least_of_warp(local[axis]);
+    box.upper[axis] = largest_of_warp(local[axis]);
   }
   return box;
 }

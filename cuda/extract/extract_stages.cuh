@@ -68,8 +68,7 @@ struct DeviceCountedBricks {
   DeviceArray<BrickSums> before;  // as in BrickList
   BrickTotals totals{};
 
-  // The first `count` bricks: the list without its padding.
-  BrickList list(std::uint64_t count) const { return {bricks.data(), before.data(), count}; }
+  BrickList list() const { return {bricks.data(), before.data(), bricks.size()}; }
 };
 
 // A run of bricks, as indices begin .. end - 1 into the list of all bricks.

@@ -121,8 +121,8 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-// Keys, rising, of the bricks of the range whose nodes are of both signs. If the grid has few
-// bricks, the list is padded. Throws LimitExceeded if they are more than `most`.
+// Keys, rising, of the bricks of the range whose nodes are of both signs. Throws LimitExceeded if
+// they are more than `most`.
 KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const KeyRange& range,
                      std::uint64_t most, const Stream& stream) {
   const auto bricks = static_cast<std::size_t>(grid.brick_total());
@@ -131,9 +131,6 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   launch("find_mixed", find_mixed,
          over(static_cast<std::uint64_t>(row_words), kThreads - 1, kThreads), stream, grid, words,
          range, mixed.data());
-  if (bricks <= std::min(kMostPaddedBricks, most)) {
-    return padded_keys_of_marks(mixed.data(), grid.bricks, stream);
-  }
   KeyList result = keys_of_marks(mixed.data(), grid.bricks, bricks, stream);
   if (result.count > most) {
     throw LimitExceeded("the surface crosses " + std::to_string(result.count) +
@@ -171,8 +168,7 @@ __device__ void share_signs_of(const SignGrid& grid, const std::uint32_t* words,
 }
 
 // Counts candidate bricks: writes bricks[i] and the counts of brick i, which has the key keys[i].
-// For kNoBrickKey, which pads the list, the counts are 0. A warp per brick, 2 warps per thread
-// block; about 1.4 KB of shared memory.
+// A warp per brick, 2 warps per thread block; about 1.4 KB of shared memory.
 __global__ void __launch_bounds__(kBrickThreads)
     count_sampled(GridSpec spec, SignGrid grid, const std::uint32_t* words,
                   const std::uint64_t* keys, std::uint64_t size, const CaseTable* table,
@@ -183,10 +179,6 @@ __global__ void __launch_bounds__(kBrickThreads)
   const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + warp;
   if (i >= size) return;
   const std::uint64_t key = keys[i];
-  if (key == kNoBrickKey) {
-    if (lane == 0) counts.sums[i] = {0, 0};
-    return;
-  }
   ActiveBrick& brick = shared[warp];
   if (lane == 0) brick.key = key;
   share_geometry<NodeCoordinates::left_out>(spec, key, geometry[warp]);

@@ -6,10 +6,6 @@
 
 namespace vdwmesh {
 
-// Of a grid of up to so many bricks the list of mixed ones is padded: working on the whole grid's
-// list takes less time than waiting for the number of mixed ones (docs/notes/benchmarks.md).
-inline constexpr std::uint64_t kMostPaddedBricks = 65536;
-
 // The layout of the signs of a grid's nodes: one bit each, in rows of 32-bit words along x. Bit i
 // of word w of a row is set if the node with lattice index 32 w + i along x is inside. The virtual
 // nodes at the ends of a row have the bit 0; rows of virtual nodes are not stored. So rows are

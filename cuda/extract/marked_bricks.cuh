@@ -18,8 +18,4 @@ VDWMESH_HD inline std::int64_t brick_number(const std::int32_t (&bricks)[3],
 KeyList keys_of_marks(const std::uint8_t* marks, const std::int32_t (&bricks)[3],
                       std::uint64_t most_marked, const Stream& stream);
 
-// The same for all bricks that are marked, as a padded list. Does not wait for the device.
-KeyList padded_keys_of_marks(const std::uint8_t* marks, const std::int32_t (&bricks)[3],
-                             const Stream& stream);
-
 }  // namespace vdwmesh

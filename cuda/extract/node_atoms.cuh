@@ -1,7 +1,6 @@
 // The axis terms of a chunk of atoms, made by a warp in shared memory. An axis term is what an atom
 // and a plane of nodes across one axis contribute to the value at a node. Each node of the brick
-// then combines only three terms per atom. The kernels that sum blended fields at nodes
-// (count_bricks.cu, sample_field.cu) use them.
+// then combines only three terms per atom, when count_bricks.cu sums a blended field.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
@@ -19,10 +18,9 @@ struct AtomStage {
   float scale[kAtomChunk];                // their scales: q = d^2 * scale
 };
 
-// The terms of one atom at kNodes planes of nodes across each axis.
-template <int kNodes>
+// The terms of one atom at the planes of nodes across each axis.
 struct alignas(16) NodeAtom {
-  AxisTerm term[3][kNodes];
+  AxisTerm term[3][kBrickReach];
 };
 
 // A plane of nodes across an axis, as a lane makes the terms of atoms at it.
@@ -32,13 +30,13 @@ struct NodePlane {
   double coordinate;     // its position, Å
 };
 
-// The plane of a lane: lane kNodes * axis + node has plane `node` across the axis. The lanes from 3
-// * kNodes on have none, and their `axis` is 3. `coordinate` has the positions of the planes along
-// each axis, Å.
-template <int kNodes>
-__device__ NodePlane plane_of_lane(const BrickIndex& brick, const double (&coordinate)[3][kNodes]) {
+// The plane of a lane: lane kBrickReach * axis + node has plane `node` across the axis. The lanes
+// from 3 * kBrickReach on have none, and their `axis` is 3. `coordinate` has the positions of the
+// planes along each axis, Å.
+__device__ inline NodePlane plane_of_lane(const BrickIndex& brick,
+                                          const double (&coordinate)[3][kBrickReach]) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
-  const int axis = lane / kNodes, node = lane % kNodes;
+  const int axis = lane / kBrickReach, node = lane % kBrickReach;
   if (axis >= 3) return {3, 0, 0, 0};
   const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
   return {axis, node, lattice_index(index, node), coordinate[axis][node]};
@@ -46,9 +44,9 @@ __device__ NodePlane plane_of_lane(const BrickIndex& brick, const double (&coord
 
 // Makes the terms of the first `count` <= kAtomChunk waiting atoms and writes them to `atoms`: by
 // one warp, each lane those at its plane. All lanes call it. Ends with __syncwarp().
-template <BlendedKind Kind, int kNodes>
+template <BlendedKind Kind>
 __device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
-                            const NodePlane& plane, AtomStage& stage, NodeAtom<kNodes>* atoms) {
+                            const NodePlane& plane, AtomStage& stage, NodeAtom* atoms) {
   const unsigned lane = threadIdx.x % kWarp;
   if (lane < count) {
     const Sphere atom = f.list.spheres[stage.waiting[lane]];

@@ -1,6 +1,7 @@
 // Finds the neighbours of every brick in the list of bricks, by binary searches in their rising
 // keys: neighbours along x stand next to each other, so five searches find all ten.
 #include "core/errors.hpp"
+#include "core/first_from.hpp"
 #include "cuda/extract/triangle_neighbours.cuh"
 #include "cuda/memory/launch.cuh"
 #include "extract/grid.hpp"
@@ -11,20 +12,6 @@ namespace {
 // The difference between the keys of neighbours along y and along z (see brick_key()); along x it
 // is 1.
 constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
-
-// Index of the first key in keys[low .. high) that is at least `key`, or `high`.
-__device__ std::uint32_t lower_bound_of_key(const std::uint64_t* keys, std::uint32_t low,
-                                            std::uint32_t high, std::uint64_t key) {
-  while (low < high) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    if (keys[middle] < key) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
-}
 
 // Writes neighbours[own] of every brick. `keys` are the keys of all bricks, rising. Six threads per
 // brick, one for each task; blockIdx.y is the task. Neighbours along x are next to each other in
@@ -39,10 +26,13 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
   if (own >= size) return;
   std::uint32_t* place = neighbours[own].place;
   const std::uint64_t key = keys[own];
-  if (key == kNoBrickKey) return;  // padding, which stands behind all keys
   // The index `at` if the brick there has the wanted key, else kNoBrick.
   const auto place_of = [&](std::uint32_t at, std::uint64_t wanted) {
     return at < size && keys[at] == wanted ? at : kNoBrick;
+  };
+  // The index from `low` up to `end` of the first key that is at least `wanted`, or `end`.
+  const auto first_at_least = [&](std::uint32_t low, std::uint32_t end, std::uint64_t wanted) {
+    return first_from(low, end, [&](std::uint32_t i) { return keys[i] < wanted; });
   };
   const auto task = static_cast<int>(blockIdx.y);
   if (task == 0) {
@@ -53,7 +43,7 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
   } else if (task <= 3) {
     const int dy = task & 1, dz = task >> 1;
     const std::uint64_t wanted = key + (dy ? kStepY : 0) + (dz ? kStepZ : 0);
-    const std::uint32_t at = lower_bound_of_key(keys, own + 1, size, wanted);
+    const std::uint32_t at = first_at_least(own + 1, size, wanted);
     // If the wanted brick is not in the list, `at` is where the next larger key stands, maybe
     // wanted + 1.
     const std::uint32_t there = place_of(at, wanted);
@@ -65,7 +55,7 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
     const bool first = (along_y ? index.y : index.z) == 0;
     const std::uint64_t wanted = key - (along_y ? kStepY : kStepZ);
     place[neighbour_across(along_y ? 2 : 4)] =
-        first ? kNoBrick : place_of(lower_bound_of_key(keys, 0, own, wanted), wanted);
+        first ? kNoBrick : place_of(first_at_least(0, own, wanted), wanted);
   }
 }
 

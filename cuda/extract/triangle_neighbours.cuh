@@ -9,12 +9,10 @@
 namespace vdwmesh {
 
 // The keys of bricks or lattice blocks: the first `count` entries of the array, which may be
-// longer. In a padded list, the last of these entries are kNoBrickKey and stand for nothing: the
-// host does not know yet how many keys there are.
+// longer.
 struct KeyList {
   DeviceArray<std::uint64_t> keys;
   std::uint64_t count = 0;
-  bool padded = false;
 };
 
 // The neighbours that the triangles of a brick touch, as indices into the list of bricks; kNoBrick
@@ -39,7 +37,7 @@ __host__ __device__ constexpr int neighbour_across(int face) {
   return face % 2 == 0 ? 7 + face / 2 : (1 << face / 2) - 1;
 }
 
-// Writes the neighbours of each of the bricks with these keys, but not those of padding. Throws
+// Writes the neighbours of each of the bricks with these keys. Throws
 // LimitExceeded if 32 bits do not suffice to number the bricks.
 void find_triangle_neighbours(const KeyList& keys, TriangleNeighbours* neighbours,
                               const Stream& stream);

@@ -10,37 +10,37 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/first_from.hpp"
 #include "cuda/measure/batch_cells.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/ordered_bits.cuh"
 #include "spheres/check_sphere.hpp"
+#include "spheres/level_extent.hpp"
 
 namespace vdwmesh::measure {
 namespace {
 
 constexpr unsigned kThreads = 256;
-constexpr int kMostLevels = CellListView::kMaxLevels;
-using Bits = OrderedBits;
 
 struct RadiusSurvey {
-  Bits least, largest;          // ordered
+  OrderedBits least, largest;   // ordered
   unsigned long long rejected;  // index of the first sphere that is none
 };
 
 // What the spheres of a frame have in common, in ordered integers.
 struct FrameExtent {
-  Bits lower[3], upper[3], reach;
+  OrderedBits lower[3], upper[3], reach;
   std::uint32_t spheres;
 };
 
 // A thread for each sphere of a share of the batch; one atomic operation for each warp.
 __global__ void survey_radii(DeviceBatch batch, RadiusSurvey* survey) {
-  Bits least = ~Bits{0}, largest = 0, rejected = ~Bits{0};
+  OrderedBits least = kMostBits, largest = 0, rejected = kMostBits;
   const std::uint64_t stride = static_cast<std::uint64_t>(gridDim.x) * blockDim.x;
   for (std::uint64_t i = thread_index(); i < batch.size; i += stride) {
     const Sphere s = batch.spheres[i];
-    if (!is_sphere(s)) rejected = min(rejected, static_cast<Bits>(i));
+    if (!is_sphere(s)) rejected = min(rejected, static_cast<OrderedBits>(i));
     least = min(least, ordered(s.radius));
     largest = max(largest, ordered(s.radius));
   }
@@ -50,7 +50,7 @@ __global__ void survey_radii(DeviceBatch batch, RadiusSurvey* survey) {
   if (threadIdx.x % 32 != 0) return;
   atomicMin(&survey->least, least);
   atomicMax(&survey->largest, largest);
-  if (rejected != ~Bits{0}) atomicMin(&survey->rejected, rejected);
+  if (rejected != kMostBits) atomicMin(&survey->rejected, rejected);
 }
 
 // Sets every extent to an empty one. A thread for each.
@@ -58,7 +58,7 @@ __global__ void clear_extents(FrameExtent* extents, std::uint64_t count) {
   const std::uint64_t i = thread_index();
   if (i >= count) return;
   for (int axis = 0; axis < 3; ++axis) {
-    extents[i].lower[axis] = ~Bits{0};
+    extents[i].lower[axis] = kMostBits;
     extents[i].upper[axis] = 0;
   }
   extents[i].reach = 0;
@@ -66,21 +66,9 @@ __global__ void clear_extents(FrameExtent* extents, std::uint64_t count) {
 }
 
 __device__ std::uint32_t set_of(const DeviceBatch& batch, std::uint32_t i) {
-  std::uint32_t low = 0, high = batch.sets;  // the set is in [low, high)
-  while (high - low > 1) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    if (batch.offsets[middle] <= i) {
-      low = middle;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
-}
-
-__device__ int level_of(double radius, double least, int levels) {
-  const int octave = ilogb(radius / least);
-  return min(max(octave, 0), levels - 1);
+  return first_from(std::uint32_t{1}, batch.sets,
+                    [&](std::uint32_t set) { return batch.offsets[set] <= i; }) -
+         1;
 }
 
 // Spheres that a thread of find_extents() takes. They stand 32 apart, so that the lanes of a warp
@@ -106,12 +94,12 @@ class ExtentSum {
   }
   __device__ void flush() {
     if (frame_ == kNoFrame) return;
-    Bits lower[3], upper[3];
+    OrderedBits lower[3], upper[3];
     for (int axis = 0; axis < 3; ++axis) {
       lower[axis] = least_of_warp(lower_[axis]);
       upper[axis] = largest_of_warp(upper_[axis]);
     }
-    const Bits reach = largest_of_warp(reach_);
+    const OrderedBits reach = largest_of_warp(reach_);
     const std::uint32_t count = __reduce_add_sync(kAllLanes, count_);
     if (threadIdx.x % 32 == 0) store(frame_, lower, upper, reach, count);
     frame_ = kNoFrame;
@@ -121,7 +109,7 @@ class ExtentSum {
  private:
   __device__ void clear() {
     for (int axis = 0; axis < 3; ++axis) {
-      lower_[axis] = ~Bits{0};
+      lower_[axis] = kMostBits;
       upper_[axis] = 0;
     }
     reach_ = 0;
@@ -136,8 +124,8 @@ class ExtentSum {
     reach_ = max(reach_, ordered(s.radius));
     ++count_;
   }
-  __device__ void store(std::uint32_t frame, const Bits* lower, const Bits* upper, Bits reach,
-                        std::uint32_t count) {
+  __device__ void store(std::uint32_t frame, const OrderedBits* lower, const OrderedBits* upper,
+                        OrderedBits reach, std::uint32_t count) {
     FrameExtent& extent = extents_[frame];
     for (int axis = 0; axis < 3; ++axis) {
       atomicMin(&extent.lower[axis], lower[axis]);
@@ -149,7 +137,7 @@ class ExtentSum {
 
   FrameExtent* extents_;
   std::uint32_t frame_ = kNoFrame;
-  Bits lower_[3], upper_[3], reach_;
+  OrderedBits lower_[3], upper_[3], reach_;
   std::uint32_t count_;
 };
 
@@ -164,8 +152,7 @@ __global__ void find_extents(DeviceBatch batch, double least, int levels, FrameE
     Sphere s{};
     if (i < batch.size) {
       s = batch.spheres[i];
-      frame =
-          set_of(batch, static_cast<std::uint32_t>(i)) * levels + level_of(s.radius, least, levels);
+      frame = set_of(batch, static_cast<std::uint32_t>(i)) * levels + level_of(s.radius, least);
     }
     sum.add(frame, s);
   }
@@ -224,7 +211,7 @@ __global__ void assign_cells(DeviceBatch batch, double least, int levels, const 
   if (i >= batch.size) return;
   const Sphere s = batch.spheres[i];
   const std::uint32_t set = set_of(batch, static_cast<std::uint32_t>(i));
-  const CellFrame& frame = frames[set * levels + level_of(s.radius, least, levels)];
+  const CellFrame& frame = frames[set * levels + level_of(s.radius, least)];
   const CellLevel& level = frame.level;
   const std::int32_t x = cell_along(level, 0, s.center.x);
   const std::int32_t y = cell_along(level, 1, s.center.y);
@@ -248,12 +235,12 @@ __global__ void gather_spheres(DeviceBatch batch, const std::uint32_t* id, Spher
 
 // The least and the largest radius. Throws InvalidInput if a sphere is none.
 std::pair<double, double> checked_radii(const DeviceBatch& batch, const Stream& stream) {
-  const RadiusSurvey start{~Bits{0}, 0, ~Bits{0}};
+  const RadiusSurvey start{kMostBits, 0, kMostBits};
   const DeviceArray<RadiusSurvey> survey = upload(&start, 1, stream.get());
   const unsigned blocks = std::min(blocks_for(batch.size, kThreads), 1056u);
   launch("survey_radii", survey_radii, {blocks, kThreads}, stream, batch, survey.data());
   const RadiusSurvey found = fetch(survey.data(), stream);
-  if (found.rejected != ~Bits{0}) {
+  if (found.rejected != kMostBits) {
     Sphere bad{};
     check_cuda(cudaMemcpy(&bad, batch.spheres + found.rejected, sizeof(bad), cudaMemcpyDefault),
                "download");
@@ -276,7 +263,7 @@ std::uint32_t checked_frames(std::uint32_t sets, int levels) {
 
 BatchCells::BatchCells(const DeviceBatch& batch, const Stream& stream) {
   const auto [least, largest] = checked_radii(batch, stream);
-  const int levels = std::clamp(std::ilogb(largest / least), 0, kMostLevels - 1) + 1;
+  const int levels = level_of(largest, least) + 1;
   const std::uint32_t frame_count = checked_frames(batch.sets, levels);
   const DeviceArray<FrameExtent> extents(frame_count, stream);
   launch("clear_extents", clear_extents, over(frame_count, kThreads), stream, extents.data(),

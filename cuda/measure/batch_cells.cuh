@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "cuda/memory/device_memory.cuh"
-#include "cuda/memory/warp.cuh"
+#include "cuda/spheres/visit_level.cuh"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh::measure {
@@ -63,41 +63,14 @@ class BatchCells {
 // the same order at every call. Ends if take() returns true, which it must in all lanes alike.
 template <class Take>
 __device__ __forceinline__ void visit_near(const BatchCellsView& list, const Sphere& ball,
-                                           std::uint32_t set, unsigned lane, const Take& take) {
-  const double r = ball.radius;
+                                           std::uint32_t set, const Take& take) {
+  const Vec3d reach{ball.radius, ball.radius, ball.radius};
   for (int l = 0; l < list.levels; ++l) {
     const CellFrame& frame = list.frames[set * list.levels + l];
-    const CellLevel& level = frame.level;
-    if (level.cells[0] == 0) continue;
-    const CellRange rx = cell_range(level, 0, ball.center.x - r, ball.center.x + r);
-    const CellRange ry = cell_range(level, 1, ball.center.y - r, ball.center.y + r);
-    const CellRange rz = cell_range(level, 2, ball.center.z - r, ball.center.z + r);
-    if (rx.first > rx.last || ry.first > ry.last || rz.first > rz.last) continue;
-    const std::uint32_t ny = ry.last - ry.first + 1, rows = ny * (rz.last - rz.first + 1);
-    for (std::uint32_t first = 0; first < rows; first += 32) {
-      // A row of cells along x for each lane. Its spheres stand one after another.
-      const std::uint32_t row = first + lane;
-      std::uint32_t begin = 0, length = 0;
-      if (row < rows) {
-        const std::uint32_t z = rz.first + row / ny, y = ry.first + row % ny;
-        const std::uint32_t cell = frame.first_cell + (z * level.cells[1] + y) * level.cells[0];
-        begin = list.cell_start[cell + rx.first];
-        length = list.cell_start[cell + rx.last + 1] - begin;
-      }
-      // Of the row, in the rows laid end to end.
-      const std::uint32_t end = warp_inclusive_sum(length);
-      const std::uint32_t total = __shfl_sync(kAllLanes, end, 31);
-      const std::uint32_t shift = begin - (end - length);
-      for (std::uint32_t base = 0; base < total; base += 32) {
-        const std::uint32_t i = base + lane;
-        int from = 0;  // the row of i: the first one that ends after i
-#pragma unroll
-        for (int step = 16; step > 0; step /= 2) {
-          if (__shfl_sync(kAllLanes, end, from + step - 1) <= i) from += step;
-        }
-        const ListPlace place{i + __shfl_sync(kAllLanes, shift, from & 31)};
-        if (take(place, i < total)) return;
-      }
+    if (frame.level.cells[0] == 0) continue;
+    if (visit_level_by_warp(frame.level, list.cell_start + frame.first_cell, ball.center - reach,
+                            ball.center + reach, take)) {
+      return;
     }
   }
 }

@@ -23,10 +23,10 @@
 
 namespace vdwmesh::measure {
 
-struct Complex {
+struct UnitFactor {
   double re, im;
 };
-__device__ __forceinline__ Complex operator*(const Complex& a, const Complex& b) {
+__device__ __forceinline__ UnitFactor operator*(const UnitFactor& a, const UnitFactor& b) {
   return {fma(a.re, b.re, -(a.im * b.im)), fma(a.re, b.im, a.im * b.re)};
 }
 
@@ -46,14 +46,14 @@ struct UnitMeasures {
 
 // The part of an edge's line that lies in the ball: middle - half to middle + half. Which of its
 // ends are corners of the patch.
-struct Chord {
+struct ArcChord {
   Vec3d middle, half;
   bool upper, lower;
 };
 
 // A corner lies on the circles of two faces. The arc on the circle of `start` begins there, the arc
 // on the circle of `end` ends.
-struct Corner {
+struct CellCorner {
   Vec3d point;
   std::uint32_t start, end;
 };
@@ -62,7 +62,7 @@ struct Corner {
 template <int kSlots, int kFaces, int kCorners>
 struct MeasureSpace {
   Vec3d position[32 * kSlots];
-  Corner corner[kCorners];
+  CellCorner corner[kCorners];
   // The faces a and b of an edge and its upper and lower end, a byte each. The upper end is the
   // one in the direction of axis a × axis b.
   std::uint32_t edge[48 * kSlots];
@@ -102,29 +102,27 @@ class FaceSet {
 };
 
 __device__ __forceinline__ double sum_of_lanes(double x) {
-#pragma unroll
-  for (int step = 16; step > 0; step /= 2) x += __shfl_xor_sync(kAllLanes, x, step);
-  return x;
+  return joined_by_warp(x, [](double a, double b) { return a + b; });
 }
 
 // Brings the size of a factor to 1.
-__device__ __forceinline__ Complex unit(const Complex& z) {
+__device__ __forceinline__ UnitFactor unit(const UnitFactor& z) {
   const double scale = rsqrt(fma(z.re, z.re, z.im * z.im));
   return {scale * z.re, scale * z.im};
 }
 
-__device__ __forceinline__ Complex product_of_lanes(Complex z) {
+__device__ __forceinline__ UnitFactor product_of_lanes(UnitFactor z) {
   z = unit(z);
 #pragma unroll
   for (int step = 16; step > 0; step /= 2) {
-    z = z *
-        Complex{__shfl_down_sync(kAllLanes, z.re, step), __shfl_down_sync(kAllLanes, z.im, step)};
+    z = z * UnitFactor{__shfl_down_sync(kAllLanes, z.re, step),
+                       __shfl_down_sync(kAllLanes, z.im, step)};
   }
   return {__shfl_sync(kAllLanes, z.re, 0), __shfl_sync(kAllLanes, z.im, 0)};
 }
 
 // The argument in [0, 2 pi).
-__device__ __forceinline__ double argument(const Complex& z) {
+__device__ __forceinline__ double argument(const UnitFactor& z) {
   const double angle = atan2(z.im, z.re);
   return angle < 0 ? angle + 2 * kPi : angle;
 }
@@ -155,7 +153,7 @@ class CellMeasurement {
   __device__ __forceinline__ void list_edges();
   __device__ __forceinline__ bool choose_pole();
   __device__ __forceinline__ void add_edges();
-  __device__ __forceinline__ void add_edge(std::uint32_t packed, Chord& chord);
+  __device__ __forceinline__ void add_edge(std::uint32_t packed, ArcChord& chord);
   __device__ __forceinline__ void add_corner_factors(const Plane& a, const Plane& b, double cosine,
                                                      double root, int corners, double side);
   __device__ __forceinline__ void list_corner(bool lists, const Vec3d& point, std::uint32_t start,
@@ -163,8 +161,8 @@ class CellMeasurement {
   __device__ __forceinline__ void add_faces();
   __device__ __forceinline__ void add_face(const Plane& face, std::uint32_t number, double angle,
                                            int ends, int balance);
-  __device__ __forceinline__ Complex exposed_arcs(std::uint32_t number, const Plane& face,
-                                                  int& ends, int& balance) const;
+  __device__ __forceinline__ UnitFactor exposed_arcs(std::uint32_t number, const Plane& face,
+                                                     int& ends, int& balance) const;
   __device__ __forceinline__ UnitMeasures result();
   __device__ __forceinline__ bool doubtful() { return __any_sync(kAllLanes, doubt_); }
 
@@ -180,7 +178,7 @@ class CellMeasurement {
   // Sums of this lane, over edges.
   double moment_ = 0;  // sum t × straight part of 2 F
   Vec3d open_{0, 0, 0};
-  Complex polygon_{1, 0}, turning_{1, 0};
+  UnitFactor polygon_{1, 0}, turning_{1, 0};
   float condition_ = 0, worst_ = 1;
   // Sums of this lane, over faces.
   double polygon_angle_ = 0, turning_angle_ = 0;
@@ -267,7 +265,7 @@ template <int kSlots, int kFaces, int kCorners>
 __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edges() {
   for (int base = 0; base < edge_count_; base += 32) {
     const int e = base + static_cast<int>(lane_);
-    Chord chord{};
+    ArcChord chord{};
     const std::uint32_t packed = e < edge_count_ ? space_.edge[e] : 0;
     if (e < edge_count_) add_edge(packed, chord);
     const std::uint32_t ia = packed & 0xff, ib = packed >> 8 & 0xff;
@@ -283,7 +281,7 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_e
 // Adds one edge to the sums. Fills the chord if an end of the edge's part in the ball is a corner.
 template <int kSlots, int kFaces, int kCorners>
 __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edge(
-    std::uint32_t packed, Chord& chord) {
+    std::uint32_t packed, ArcChord& chord) {
   const std::uint32_t ia = packed & 0xff, ib = packed >> 8 & 0xff;
   const Plane a = cell_.space().face[ia];
   const Plane b = cell_.space().face[ib];
@@ -338,8 +336,8 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_e
 template <int kSlots, int kFaces, int kCorners>
 __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_corner_factors(
     const Plane& a, const Plane& b, double cosine, double root, int corners, double side) {
-  const Complex triangle{1 + a.cosine + b.cosine + cosine, -root};
-  const Complex turn{cosine - a.cosine * b.cosine, root};
+  const UnitFactor triangle{1 + a.cosine + b.cosine + cosine, -root};
+  const UnitFactor turn{cosine - a.cosine * b.cosine, root};
   polygon_ = polygon_ * triangle;
   turning_ = turning_ * turn;
   if (corners == 2) {
@@ -347,7 +345,7 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_c
     turning_ = turning_ * turn;
   } else {
     const double sum = dot(pole_, a.axis) + dot(pole_, b.axis);
-    polygon_ = polygon_ * Complex{1 + sum + cosine, side};
+    polygon_ = polygon_ * UnitFactor{1 + sum + cosine, side};
   }
   const float condition = 1 / static_cast<float>(root) + 1 / static_cast<float>(1 + a.cosine) +
                           1 / static_cast<float>(1 + b.cosine);
@@ -367,16 +365,16 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_
 // The product of the arcs' ends and conjugated starts on the circle of a face. Its size is a power
 // of the circle's radius, which does not matter.
 template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ Complex CellMeasurement<kSlots, kFaces, kCorners>::exposed_arcs(
+__device__ __forceinline__ UnitFactor CellMeasurement<kSlots, kFaces, kCorners>::exposed_arcs(
     std::uint32_t number, const Plane& face, int& ends, int& balance) const {
-  Complex product{1, 0};
+  UnitFactor product{1, 0};
   const vdwmesh::arcs::Frame frame = vdwmesh::arcs::frame_of(face.axis);
   for (int c = 0; c < corner_count_; ++c) {
-    const Corner& corner = space_.corner[c];
+    const CellCorner& corner = space_.corner[c];
     if (corner.start != number && corner.end != number) continue;
     const int direction = corner.end == number ? 1 : -1;
     const double re = dot(frame.first, corner.point), im = dot(frame.second, corner.point);
-    product = product * Complex{re, direction * im};
+    product = product * UnitFactor{re, direction * im};
     balance += direction;
     ++ends;
   }
@@ -398,7 +396,7 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_f
   for (std::uint32_t base = 0; base < tasks; base += 32) {
     const std::uint32_t f = base + lane_;
     const bool used = f < faces && used_.has(f);
-    Complex product = f == faces ? polygon_ : turning_;
+    UnitFactor product = f == faces ? polygon_ : turning_;
     int ends = 0, balance = 0;
     Plane face{{0, 0, 1}, 1};
     if (used) {
@@ -444,12 +442,8 @@ __device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners
   double area = !touched_.empty() || sector == 0 ? 0 : 4 * kPi - sector;
   if (corner_count_ > 0) {
     const double polygon = 2 * polygon_angle_;  // the product holds half the area
-    double largest = largest_;
-    float worst = worst_;
-    for (int step = 16; step > 0; step /= 2) {
-      largest = fmax(largest, __shfl_xor_sync(kAllLanes, largest, step));
-      worst = fmaxf(worst, __shfl_xor_sync(kAllLanes, worst, step));
-    }
+    const double largest = joined_by_warp(largest_, [](double a, double b) { return fmax(a, b); });
+    const float worst = joined_by_warp(worst_, [](float a, float b) { return fmaxf(a, b); });
     const double condition = 1 + sum_of_lanes(static_cast<double>(condition_));
     const double full = 4 * kPi;
     area = polygon - sector;

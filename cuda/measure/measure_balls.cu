@@ -23,7 +23,7 @@ template <int kSlotCount, int kFaceCount, int kCapCount, int kCornerCount>
 struct Room {
   static constexpr int kSlots = kSlotCount, kFaces = kFaceCount, kCaps = kCapCount,
                        kCorners = kCornerCount;
-  struct Space {
+  struct WarpSpace {
     union {
       ListPlace near[kCaps];  // the balls that overlap the ball
       CellSpace<kSlots, kFaces> cell;
@@ -50,10 +50,10 @@ struct Leftovers {
 template <class SomeRoom>
 class WarpBall {
  public:
-  using Space = typename SomeRoom::Space;
+  using WarpSpace = typename SomeRoom::WarpSpace;
   static constexpr int kCaps = SomeRoom::kCaps;
 
-  __device__ __forceinline__ WarpBall(const BatchCellsView& list, ListPlace place, Space& space,
+  __device__ __forceinline__ WarpBall(const BatchCellsView& list, ListPlace place, WarpSpace& space,
                                       unsigned lane)
       : list_(list), place_(place), ball_(list.spheres[place]), space_(space), lane_(lane) {}
 
@@ -79,7 +79,7 @@ class WarpBall {
   // Lists the balls that overlap this one. Of equal balls the one of the lowest index buries the
   // others; they share a cell, so it has the lowest list place too.
   __device__ __forceinline__ void collect() {
-    visit_near(list_, ball_, set_at(list_, place_), lane_, [&](ListPlace other, bool here) {
+    visit_near(list_, ball_, set_at(list_, place_), [&](ListPlace other, bool here) {
       bool near = false, equal = false;
       if (here && other != place_) {
         const Sphere s = list_.spheres[other];
@@ -183,7 +183,7 @@ class WarpBall {
   const BatchCellsView& list_;
   ListPlace place_;
   Sphere ball_;
-  Space& space_;
+  WarpSpace& space_;
   unsigned lane_;
   int near_ = 0;  // balls that overlap this one, also those for which there is no room
   bool buried_ = false, has_caps_ = false;
@@ -192,7 +192,7 @@ class WarpBall {
 
 template <class SomeRoom>
 __device__ __forceinline__ void measure_place(const BatchCellsView& list, ListPlace place,
-                                              typename SomeRoom::Space& space, unsigned lane,
+                                              typename SomeRoom::WarpSpace& space, unsigned lane,
                                               SphereMeasures* results, const Leftovers& too_large,
                                               const Leftovers& doubtful) {
   WarpBall<SomeRoom> ball(list, place, space, lane);
@@ -209,13 +209,13 @@ constexpr unsigned kWarpsPerBlock = 4;
 // save.
 constexpr unsigned kBlocksPerMultiprocessor = 6;
 
-// A warp for each ball, 4 warps per thread block. Dynamic shared memory: a SmallRoom::Space for
+// A warp for each ball, 4 warps per thread block. Dynamic shared memory: a SmallRoom::WarpSpace for
 // each warp.
 __global__ void __launch_bounds__(32 * kWarpsPerBlock, kBlocksPerMultiprocessor)
     measure_all(BatchCellsView list, SphereMeasures* results, Leftovers too_large,
                 Leftovers doubtful) {
   extern __shared__ __align__(16) unsigned char memory[];
-  auto* const spaces = reinterpret_cast<SmallRoom::Space*>(memory);
+  auto* const spaces = reinterpret_cast<SmallRoom::WarpSpace*>(memory);
   const unsigned warp = threadIdx.x / 32;
   const std::uint64_t place = static_cast<std::uint64_t>(blockIdx.x) * kWarpsPerBlock + warp;
   if (place >= list.size) return;
@@ -224,11 +224,11 @@ __global__ void __launch_bounds__(32 * kWarpsPerBlock, kBlocksPerMultiprocessor)
 }
 
 // Thread blocks of one warp take the listed balls in turns, every gridDim.x-th one. Dynamic shared
-// memory: a LargeRoom::Space. A ball that is too large even for that is left to the host.
+// memory: a LargeRoom::WarpSpace. A ball that is too large even for that is left to the host.
 __global__ void __launch_bounds__(32) measure_large(BatchCellsView list, SphereMeasures* results,
                                                     Leftovers listed, Leftovers doubtful) {
   extern __shared__ __align__(16) unsigned char memory[];
-  auto& space = *reinterpret_cast<LargeRoom::Space*>(memory);
+  auto& space = *reinterpret_cast<LargeRoom::WarpSpace*>(memory);
   for (std::uint32_t i = blockIdx.x; i < *listed.count; i += gridDim.x) {
     measure_place<LargeRoom>(list, listed.places[i], space, threadIdx.x, results, doubtful,
                              doubtful);
@@ -253,12 +253,12 @@ DeviceMeasures measure_on_device(const DeviceBatch& batch, const Stream& stream)
   const DeviceArray<ListPlace> large(batch.size, stream);
   const Leftovers doubtful{result.doubtful.data(), result.counts.data()};
   const Leftovers too_large{large.data(), result.counts.data() + 1};
-  constexpr std::size_t small_bytes = kWarpsPerBlock * sizeof(SmallRoom::Space);
+  constexpr std::size_t small_bytes = kWarpsPerBlock * sizeof(SmallRoom::WarpSpace);
   allow_shared(measure_all, small_bytes);
   launch("measure_all", measure_all,
          {blocks_for(batch.size, kWarpsPerBlock), 32 * kWarpsPerBlock, small_bytes}, stream, list,
          result.per_sphere.data(), too_large, doubtful);
-  constexpr std::size_t large_bytes = sizeof(LargeRoom::Space);
+  constexpr std::size_t large_bytes = sizeof(LargeRoom::WarpSpace);
   allow_shared(measure_large, large_bytes);
   launch("measure_large", measure_large, {264, 32, large_bytes}, stream, list,
          result.per_sphere.data(), too_large, doubtful);

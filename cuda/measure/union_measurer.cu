@@ -23,6 +23,7 @@
 #include "cuda/measure/power_cell.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/device.cuh"
+#include "cuda/memory/fetch_values.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
@@ -41,7 +42,7 @@ __global__ void list_neighbors(BatchCellsView list, const ListPlace* places, std
   const ListPlace place = places[i];
   const Sphere ball = list.spheres[place];
   std::uint64_t found = 0;
-  visit_near(list, ball, set_at(list, place), lane, [&](ListPlace other, bool here) {
+  visit_near(list, ball, set_at(list, place), [&](ListPlace other, bool here) {
     bool near = false;
     if (here) {
       const Sphere s = list.spheres[other];
@@ -81,18 +82,6 @@ struct HostWork {
   std::vector<Sphere> near_spheres;
 };
 
-template <class T>
-std::vector<T> download(const DeviceArray<T>& array, const Stream& stream) {
-  std::vector<T> host(array.size());
-  if (!host.empty()) {
-    check_cuda(cudaMemcpyAsync(host.data(), array.data(), array.bytes(), cudaMemcpyDeviceToHost,
-                               stream.get()),
-               "download");
-    stream.wait();
-  }
-  return host;
-}
-
 // Measures balls begin up to end of the work, which are of one set, by one triangulation.
 void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
                      std::span<SphereMeasures> per_sphere) {
@@ -107,11 +96,7 @@ void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
 // Brings the doubtful balls and their neighbours to the host.
 HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const Stream& stream) {
   const BatchCellsView& list = measured.cells.view();
-  std::vector<ListPlace> places(count);
-  check_cuda(cudaMemcpyAsync(places.data(), measured.doubtful.data(), count * sizeof(places[0]),
-                             cudaMemcpyDeviceToHost, stream.get()),
-             "download");
-  stream.wait();
+  std::vector<ListPlace> places = fetch_values(measured.doubtful.data(), count, stream);
   std::sort(places.begin(), places.end());
   const DeviceArray<ListPlace> sorted = upload(places.data(), count, stream.get());
   DeviceArray<std::uint64_t> first = zeros<std::uint64_t>(count + std::size_t{1}, stream);
@@ -127,8 +112,10 @@ HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const St
   const DeviceArray<Sphere> near_spheres(total, stream);
   launch("list_neighbors", list_neighbors, shape, stream, list, sorted.data(), count, first.data(),
          nullptr, own_ids.data(), near_ids.data(), near_spheres.data());
-  return {download(own_ids, stream), download(first, stream), download(near_ids, stream),
-          download(near_spheres, stream)};
+  return {fetch_values(own_ids.data(), count, stream),
+          fetch_values(first.data(), first.size(), stream),
+          fetch_values(near_ids.data(), total, stream),
+          fetch_values(near_spheres.data(), total, stream)};
 }
 
 // Measures the work on the host. Its entries stand in the order of list places: those of a set
@@ -316,7 +303,7 @@ DeviceArcs measure_arcs_on_cuda(const SphereSet& spheres) {
     const DeviceArray<std::uint32_t> ids(doubtful, stream);
     launch("name_balls", measure::name_balls, over(doubtful, 256), stream, measured.cells.view(),
            measured.doubtful.data(), doubtful, ids.data());
-    arcs.suspect = measure::download(ids, stream);
+    arcs.suspect = fetch_values(ids.data(), ids.size(), stream);
     std::ranges::sort(arcs.suspect);
   }
   return arcs;

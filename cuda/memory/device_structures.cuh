@@ -111,7 +111,7 @@ struct ExtractTimings {
   float count = 0;      // field values, signs, marching cubes cases, counts
   float scan = 0;       // prefix sums over the counts
   float vertices = 0;   // positions, normals, labels
-  float triangles = 0;  // corners and half-edges, made beside the vertices: what they take longer
+  float triangles = 0;  // corners and half-edges
 };
 
 struct DeviceExtraction {
@@ -129,10 +129,6 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
 // The same for a field given by its values in device memory; see FieldMesher::mesh_into().
 DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
                                       const Stream& stream);
-
-// Writes the blended field at every node of model.grid to `values`; see FieldMesher::sample().
-void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
-                            const Stream& stream);
 
 // A copy of a mesh of the host, with all its arrays.
 DeviceMesh upload_mesh(const IndexedMesh& host, const Stream& stream);

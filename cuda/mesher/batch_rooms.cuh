@@ -1,5 +1,5 @@
-// Memory of the host for batches of patches on their way to a device and back, and the places of
-// their results.
+// Memory of the host for batches of patches on their way to a device and back, and the offsets
+// of their results.
 #pragma once
 
 #include <cstddef>
@@ -34,17 +34,17 @@ class KeptRoom {
   std::size_t size_ = 0;
 };
 
-// Where the results of each patch go, one after another; the last place is the end.
-inline std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t count) {
-  std::vector<GatherPlace> places(count + 1, GatherPlace{0, 0, 0});
+// Where the results of each patch go, one after another; the last offsets are the ends.
+inline std::vector<ResultOffsets> offsets_of(const PatchOutcome* outcomes, std::size_t count) {
+  std::vector<ResultOffsets> offsets(count + 1, ResultOffsets{0, 0, 0});
   for (std::size_t i = 0; i < count; ++i) {
     const PatchOutcome& o = outcomes[i];
     const bool failed = o.failure != PatchFailure::none;
-    places[i + 1] = {places[i].interior + (failed ? 0 : o.interior),
-                     places[i].triangle + (failed ? 0 : o.triangles),
-                     places[i].split + (failed ? 0 : o.splits)};
+    offsets[i + 1] = {offsets[i].interior + (failed ? 0 : o.interior),
+                      offsets[i].triangle + (failed ? 0 : o.triangles),
+                      offsets[i].split + (failed ? 0 : o.splits)};
   }
-  return places;
+  return offsets;
 }
 
 }  // namespace vdwmesh::mesher

@@ -30,8 +30,8 @@ constexpr unsigned kPerWarp = 2;
 // patches_per_warp() gives; 2 warps per thread block. The threads write their requests one after
 // another into one list, in no particular order; first_split of an outcome says where.
 __global__ void __launch_bounds__(kThreads)
-    look(const BoundedLook* looks, std::uint32_t count, LookMemory memory, PatchOutcome* outcomes,
-         PieceSplit* requests, std::uint32_t* request_count) {
+    look_at_bounded(const BoundedLook* looks, std::uint32_t count, LookMemory memory,
+                    PatchOutcome* outcomes, PieceSplit* requests, std::uint32_t* request_count) {
   const unsigned lane = threadIdx.x % 32;
   if (lane >= kPerWarp) return;
   const std::uint64_t i = thread_index() / 32 * kPerWarp + lane;
@@ -72,7 +72,7 @@ void look_at_batch(const LookOrder& order, std::size_t first, std::size_t end,
   upload_parts({{device_input.data(), input, device_input.bytes()},
                 {looks.data(), batch.looks().data(), looks.bytes()}},
                stream);
-  launch("look_at_boundaries", look,
+  launch("look_at_bounded", look_at_bounded,
          over(32 * std::uint64_t{blocks_for(count, kPerWarp)}, kThreads), stream, looks.data(),
          count, LookMemory{device_input.data(), device_states.data(), work.data()},
          device_outcomes.data(), device_requests.data(), request_count.data());
@@ -89,8 +89,8 @@ void look_at_batch(const LookOrder& order, std::size_t first, std::size_t end,
   tbb::parallel_for(std::size_t{0}, std::size_t{count}, [&](std::size_t i) {
     const PatchOutcome& o = outcomes[i];
     if (o.failure != PatchFailure::none) return;
-    const auto place = o.splits > 0 ? o.first_split - device_requests.data() : 0;
-    order.end(first + batch.job(i), batch.finish(i, states, {requests + place, o.splits}));
+    const auto first = o.splits > 0 ? o.first_split - device_requests.data() : 0;
+    order.end(first + batch.job(i), batch.finish(i, states, {requests + first, o.splits}));
   });
 }
 

@@ -8,6 +8,7 @@
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_mesh.cuh"
+#include "cuda/memory/fetch_values.cuh"
 #include "cuda/mesher/cuda_patch_device.cuh"
 #include "cuda/on_device.hpp"
 #include "cuda/refine/device_refinement.cuh"
@@ -26,12 +27,7 @@ class CudaExactMesher final : public ExactMesher {
 };
 
 SphereSet download_balls(const DeviceFrames::Data& balls) {
-  std::vector<Sphere> rows(balls.atoms);
-  check_cuda(cudaMemcpyAsync(rows.data(), balls.rows.data(), rows.size() * sizeof(Sphere),
-                             cudaMemcpyDeviceToHost, balls.work().get()),
-             "download");
-  balls.work().wait();
-  return SphereSet(std::move(rows));
+  return SphereSet(fetch_values(balls.rows.data(), balls.atoms, balls.work()));
 }
 
 struct MeshThere {

@@ -53,7 +53,7 @@ void return_batch(const KeptBatch& batch, const PatchBatch& packed, HostRoom& ro
     if (!job.is_kept) return;
     job.is_kept = false;
     job.patch = std::make_unique<PatchMesh>();
-    const GatherPlace &begin = batch.places[i], &end = batch.places[i + 1];
+    const ResultOffsets &begin = batch.offsets[i], &end = batch.offsets[i + 1];
     assign(interior, begin.interior, end.interior, job.patch->interior);
     assign(triangles, begin.triangle, end.triangle, job.patch->triangles);
     assign<PointSource>(room.sources.data(), batch.first_sources[i], batch.first_sources[i + 1],
@@ -100,19 +100,19 @@ KeptBatch mesh_batch(const PatchOrder& order, const PatchBatch& batch, std::uint
   PatchOutcome* const outcomes = room.outcomes.take(count);
   download_parts({{outcomes, device_outcomes.data(), device_outcomes.bytes()}}, stream);
 
-  kept.places = places_of(outcomes, count);
-  const GatherPlace& end = kept.places.back();
-  const DeviceArray<GatherPlace> device_places(kept.places.size(), stream);
-  upload_parts({{device_places.data(), kept.places.data(), device_places.bytes()}}, stream);
+  kept.offsets = offsets_of(outcomes, count);
+  const ResultOffsets& end = kept.offsets.back();
+  const DeviceArray<ResultOffsets> device_offsets(kept.offsets.size(), stream);
+  upload_parts({{device_offsets.data(), kept.offsets.data(), device_offsets.bytes()}}, stream);
   kept.interior = DeviceArray<Vec3d>(end.interior, stream);
   kept.triangles = DeviceArray<std::array<std::uint32_t, 3>>(end.triangle, stream);
   const DeviceArray<PieceSplit> device_splits(end.split, stream);
-  gather_patches(device_outcomes.data(), device_places.data(), count,
+  gather_patches(device_outcomes.data(), device_offsets.data(), count,
                  {kept.interior.data(), kept.triangles.data(), device_splits.data()}, stream);
   PieceSplit* const splits = room.splits.take(device_splits.size());
   download_parts({{splits, device_splits.data(), device_splits.bytes()}}, stream);
   for_each_index(count, [&](std::size_t i) {
-    report(outcomes[i], splits + kept.places[i].split, {number, static_cast<std::uint32_t>(i)},
+    report(outcomes[i], splits + kept.offsets[i].split, {number, static_cast<std::uint32_t>(i)},
            order.jobs[batch.job(i)]);
   });
   if (!may_keep(kept.bytes())) {
@@ -205,13 +205,13 @@ void CudaPatchDevice::mesh(const PatchOrder& order) {
     for (const std::vector<std::uint32_t>& which : batches) {
       if (!packed) look([&] { packed = pack_batch(order, which, room); });
       std::uint32_t number = 0;
-      KeptBatch* place = nullptr;
+      KeptBatch* kept = nullptr;
       {
         const std::lock_guard lock(mutex_);
         number = static_cast<std::uint32_t>(kept_.size());
-        place = &kept_.emplace_back();
+        kept = &kept_.emplace_back();
       }
-      *place = mesh_batch(order, *packed, number, room, may_keep, stream);
+      *kept = mesh_batch(order, *packed, number, room, may_keep, stream);
       packed.reset();
       advance(order.monitor, which.size());
     }
@@ -233,10 +233,10 @@ void CudaPatchDevice::place(const PatchPlaces& all, IndexedMesh& mesh) {
                stream);
   const std::uint64_t left =
       memory_of_parts - std::min<std::uint64_t>(memory_of_parts, first_vertices.bytes());
-  const std::vector<MeshPart> parts =
-      parts_of(all.places, std::min(kMostPartBytes, left / threads()));
-  for_each(parts.size(), [&](std::size_t i, const Stream& own) {
-    write_part(parts[i], kept_, first_vertices.data(), all.unit, mesh, own);
+  const std::vector<MeshSection> sections =
+      sections_of(all.places, std::min(kMostSectionBytes, left / threads()));
+  for_each(sections.size(), [&](std::size_t i, const Stream& own) {
+    write_section(sections[i], kept_, first_vertices.data(), all.unit, mesh, own);
   });
 }
 

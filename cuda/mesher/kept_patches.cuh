@@ -13,7 +13,7 @@ namespace vdwmesh::mesher {
 
 // The patches of a batch in device memory, one after another, in the order of the batch.
 struct KeptBatch {
-  std::vector<GatherPlace> places;           // of each patch; the last place is the end
+  std::vector<ResultOffsets> offsets;        // where each patch begins; the last are the ends
   std::vector<std::uint64_t> first_sources;  // as in PatchBatch
   DeviceArray<Vec3d> interior;
   DeviceArray<std::array<std::uint32_t, 3>> triangles;
@@ -31,10 +31,10 @@ struct KeptBatch {
 // A deque, so that threads may add batches while others are filled.
 using KeptBatches = std::deque<KeptBatch>;
 
-// PatchJob::kept: patch `place` of batch `batch`.
+// PatchJob::kept: patch `index` of batch `batch`.
 struct KeptName {
-  std::uint32_t batch, place;
-  std::uint64_t packed() const { return std::uint64_t{batch} << 32 | place; }
+  std::uint32_t batch, index;
+  std::uint64_t packed() const { return std::uint64_t{batch} << 32 | index; }
   static KeptName of(std::uint64_t packed) {
     return {static_cast<std::uint32_t>(packed >> 32), static_cast<std::uint32_t>(packed)};
   }

@@ -1,5 +1,10 @@
-// Into a mesh on the host or on the device, patches are written by one kernel (place_patches()),
-// which does what the host would, so the bits are the host's.
+// One kernel (place_patches()) writes patches into a mesh in device memory. It does what the host
+// would do, so the mesh has the host's bits. For a mesh in host memory the kernel writes one
+// section of it at a time, which is then downloaded. A whole mesh in device memory also gets its
+// boundary from a kernel, and the patches that the host has meshed are uploaded for it.
+//
+// In this file, a patch's "numbers" are those of its first vertex and triangle in the mesh
+// (PatchPlace), and its "offsets" say where its results begin in the arrays of a batch.
 #include <algorithm>
 #include <type_traits>
 
@@ -11,7 +16,7 @@
 namespace vdwmesh::mesher {
 namespace {
 
-// Of an interior point and of a triangle in a mesh.
+// Bytes of an interior point and of a triangle in a crease-exact mesh.
 constexpr std::uint64_t kVertexBytes = sizeof(Vec3d) + sizeof(Vec3f) + 3 * sizeof(SphereId),
                         kTriangleBytes = sizeof(Triangle) + sizeof(SphereId);
 
@@ -30,36 +35,38 @@ struct PatchArrays {
   std::uint64_t points;  // on its boundary
 };
 
-// In a part of a mesh that begins with this vertex and this triangle.
-PlacedPatch placed(const PatchPlace& place, const PatchArrays& from, const MeshSize& first) {
-  return {place.sphere,
-          from.interior,
-          from.triangles,
-          from.sources,
-          place.first_vertex - first.vertices,
-          place.first_triangle - first.triangles,
-          static_cast<std::uint32_t>(place.first_vertex),
-          static_cast<std::uint32_t>(from.points),
-          place.interior,
-          3 * place.triangles,
-          place.id};
+// The patch as the kernel writes it into the part of a mesh that begins with this vertex and this
+// triangle.
+PlacedPatch patch_to_write(const PatchPlace& numbers, const PatchArrays& from,
+                           const MeshSize& first) {
+  return {.sphere = numbers.sphere,
+          .interior = from.interior,
+          .triangles = from.triangles,
+          .sources = from.sources,
+          .vertex = numbers.first_vertex - first.vertices,
+          .triangle = numbers.first_triangle - first.triangles,
+          .first_vertex = static_cast<std::uint32_t>(numbers.first_vertex),
+          .points = static_cast<std::uint32_t>(from.points),
+          .interiors = numbers.interior,
+          .corners = 3 * numbers.triangles,
+          .id = numbers.id};
 }
 
-PatchArrays kept_arrays(const PatchPlace& place, const KeptBatches& batches) {
-  const KeptName name = KeptName::of(place.kept);
+PatchArrays kept_arrays(const PatchPlace& patch, const KeptBatches& batches) {
+  const KeptName name = KeptName::of(patch.kept);
   const KeptBatch& batch = batches[name.batch];
-  const GatherPlace& from = batch.places[name.place];
-  const std::uint64_t source = batch.first_sources[name.place];
+  const ResultOffsets& from = batch.offsets[name.index];
+  const std::uint64_t source = batch.first_sources[name.index];
   return {batch.interior.data() + from.interior, batch.triangles.data() + from.triangle,
-          batch.sources.data() + source, batch.first_sources[name.place + 1] - source};
+          batch.sources.data() + source, batch.first_sources[name.index + 1] - source};
 }
 
-// Uploads what `uploads` says and `count` patches, patch(i), in one go, and writes these into a
-// mesh.
+// Uploads the `uploads` and `count` patches, patch(i), in one transfer, and writes these patches
+// into a mesh.
 template <class Patch>
-void place_all(std::size_t count, const Patch& patch, std::vector<UploadPart> uploads,
-               const std::uint32_t* first_vertices, double unit, const DeviceMeshView& to,
-               const Stream& stream) {
+void write_patches(std::size_t count, const Patch& patch, std::vector<UploadPart> uploads,
+                   const std::uint32_t* first_vertices, double unit, const DeviceMeshView& to,
+                   const Stream& stream) {
   Buffer<PlacedPatch> patches(count);
   for_each_index(count, [&](std::size_t i) { patches[i] = patch(i); });
   const DeviceArray<PlacedPatch> there(count, stream);
@@ -68,27 +75,29 @@ void place_all(std::size_t count, const Patch& patch, std::vector<UploadPart> up
   place_patches(there.data(), static_cast<std::uint32_t>(count), first_vertices, unit, to, stream);
 }
 
-// Copies a part to its place in the mesh.
-void download_part(const MeshPart& part, const DeviceMesh& from, IndexedMesh& mesh,
-                   const Stream& stream) {
+// Copies a section into the mesh.
+void download_section(const MeshSection& section, const DeviceMesh& from, IndexedMesh& mesh,
+                      const Stream& stream) {
   std::vector<DownloadPart> parts;
   const auto add = [&](auto* to, const auto* first, std::uint64_t count) {
     parts.push_back({to, first, count * sizeof(*to)});
   };
-  const std::uint64_t vertex = part.places.front().first_vertex,
-                      triangle = part.places.front().first_triangle;
-  add(mesh.positions.data() + vertex, from.positions.data(), part.vertices);
-  add(mesh.normals.data() + vertex, from.normals.data(), part.vertices);
-  add(mesh.vertex_spheres.atoms.data() + vertex, from.vertex_spheres.atoms.data(), part.vertices);
-  add(mesh.vertex_spheres.others.data() + vertex, from.vertex_spheres.others.data(), part.vertices);
-  add(mesh.triangles.data() + triangle, from.corners.data(), part.triangles);
-  add(mesh.triangle_spheres.data() + triangle, from.triangle_spheres.data(), part.triangles);
+  const std::uint64_t vertex = section.patches.front().first_vertex,
+                      triangle = section.patches.front().first_triangle;
+  add(mesh.positions.data() + vertex, from.positions.data(), section.vertices);
+  add(mesh.normals.data() + vertex, from.normals.data(), section.vertices);
+  add(mesh.vertex_spheres.atoms.data() + vertex, from.vertex_spheres.atoms.data(),
+      section.vertices);
+  add(mesh.vertex_spheres.others.data() + vertex, from.vertex_spheres.others.data(),
+      section.vertices);
+  add(mesh.triangles.data() + triangle, from.corners.data(), section.triangles);
+  add(mesh.triangle_spheres.data() + triangle, from.triangle_spheres.data(), section.triangles);
   download_parts(parts, stream);
 }
 
-// Copies what the boundary is placed from to the device, and places it.
-void place_first_vertices(const MeshPlacement& boundary, const std::uint32_t* first_vertices,
-                          const DeviceMesh& mesh, const Stream& stream) {
+// Uploads the boundary between patches, and writes it into the mesh.
+void write_boundary(const MeshPlacement& boundary, const std::uint32_t* first_vertices,
+                    const DeviceMesh& mesh, const Stream& stream) {
   std::vector<UploadPart> uploads;
   const auto copy = [&](const auto& values) {
     DeviceArray<std::remove_cvref_t<decltype(values[0])>> there(values.size(), stream);
@@ -129,16 +138,16 @@ class HostPatches {
     }
   }
 
-  // Of the device, while they are written.
+  // Bytes of device memory that they take while they are written.
   std::uint64_t bytes() const {
     const First& end = first_.back();
     return end.interior * sizeof(Vec3d) + end.triangle * sizeof(Triangle) +
            end.source * sizeof(PointSource) + patches_.size() * sizeof(PlacedPatch);
   }
 
-  // Writes them into the mesh.
-  void place(const std::uint32_t* first_vertices, double unit, const DeviceMesh& mesh,
-             const Stream& stream) const {
+  // Uploads the patches, and writes them into the mesh.
+  void write_to(const std::uint32_t* first_vertices, double unit, const DeviceMesh& mesh,
+                const Stream& stream) const {
     const First& end = first_.back();
     Buffer<Vec3d> interior(end.interior);
     Buffer<std::array<std::uint32_t, 3>> triangles(end.triangle);
@@ -154,16 +163,17 @@ class HostPatches {
     const DeviceArray<PointSource> sources_there(end.source, stream);
     const auto patch = [&](std::size_t i) {
       const First& at = first_[i];
-      return placed(patches_[i].place,
-                    {interior_there.data() + at.interior, triangles_there.data() + at.triangle,
-                     sources_there.data() + at.source, first_[i + 1].source - at.source},
-                    {0, 0});
+      return patch_to_write(
+          patches_[i].place,
+          {interior_there.data() + at.interior, triangles_there.data() + at.triangle,
+           sources_there.data() + at.source, first_[i + 1].source - at.source},
+          {0, 0});
     };
-    place_all(patches_.size(), patch,
-              {{interior_there.data(), interior.data(), interior_there.bytes()},
-               {triangles_there.data(), triangles.data(), triangles_there.bytes()},
-               {sources_there.data(), sources.data(), sources_there.bytes()}},
-              first_vertices, unit, mesh.view(), stream);
+    write_patches(patches_.size(), patch,
+                  {{interior_there.data(), interior.data(), interior_there.bytes()},
+                   {triangles_there.data(), triangles.data(), triangles_there.bytes()},
+                   {sources_there.data(), sources.data(), sources_there.bytes()}},
+                  first_vertices, unit, mesh.view(), stream);
   }
 
  private:
@@ -190,24 +200,20 @@ std::vector<HostPatches> runs_of(std::span<const PatchOfHost> patches) {
   return runs;
 }
 
-}  // namespace
-
-MeshPart::MeshPart(std::span<const PatchPlace> some)
-    : places(some),
-      vertices(some.back().first_vertex + some.back().interior - some.front().first_vertex),
-      triangles(some.back().first_triangle + some.back().triangles - some.front().first_triangle) {}
-
-namespace {
-
-// Of a crease-exact mesh.
+// Bytes of a crease-exact mesh in device memory.
 std::uint64_t device_mesh_bytes(const MeshSize& size) {
   return size.vertices * kVertexBytes + size.triangles * kTriangleBytes;
 }
 
 }  // namespace
 
-std::uint64_t MeshPart::device_bytes() const {
-  return device_mesh_bytes({vertices, triangles}) + places.size() * sizeof(PlacedPatch);
+MeshSection::MeshSection(std::span<const PatchPlace> some)
+    : patches(some),
+      vertices(some.back().first_vertex + some.back().interior - some.front().first_vertex),
+      triangles(some.back().first_triangle + some.back().triangles - some.front().first_triangle) {}
+
+std::uint64_t MeshSection::device_bytes() const {
+  return device_mesh_bytes({vertices, triangles}) + patches.size() * sizeof(PlacedPatch);
 }
 
 // The arrays of the boundary are counted as if all arcs had unequal pieces.
@@ -222,37 +228,38 @@ std::uint64_t assembly_bytes(const MeshToAssemble& parts) {
          parts.kept.places.size() * sizeof(PlacedPatch) + of_run;
 }
 
-std::vector<MeshPart> parts_of(std::span<const PatchPlace> places, std::uint64_t most_bytes) {
-  std::vector<MeshPart> parts;
-  for (std::size_t begin = 0, end = 0; begin < places.size(); begin = end) {
+std::vector<MeshSection> sections_of(std::span<const PatchPlace> patches,
+                                     std::uint64_t most_bytes) {
+  std::vector<MeshSection> sections;
+  for (std::size_t begin = 0, end = 0; begin < patches.size(); begin = end) {
     do ++end;
-    while (end < places.size() &&
-           MeshPart(places.subspan(begin, end + 1 - begin)).device_bytes() <= most_bytes);
-    parts.emplace_back(places.subspan(begin, end - begin));
+    while (end < patches.size() &&
+           MeshSection(patches.subspan(begin, end + 1 - begin)).device_bytes() <= most_bytes);
+    sections.emplace_back(patches.subspan(begin, end - begin));
   }
-  return parts;
+  return sections;
 }
 
-void write_part(const MeshPart& part, const KeptBatches& batches,
-                const std::uint32_t* first_vertices, double unit, IndexedMesh& mesh,
-                const Stream& stream) {
-  const DeviceMesh written = empty_mesh({part.vertices, part.triangles}, stream);
+void write_section(const MeshSection& section, const KeptBatches& batches,
+                   const std::uint32_t* first_vertices, double unit, IndexedMesh& mesh,
+                   const Stream& stream) {
+  const DeviceMesh written = empty_mesh({section.vertices, section.triangles}, stream);
   clear(written.positions, stream);
   clear(written.normals, stream);
   clear(written.vertex_spheres.atoms, stream);
   clear(written.vertex_spheres.others, stream);
   clear(written.corners, stream);
   clear(written.triangle_spheres, stream);
-  const PatchPlace& front = part.places.front();
+  const PatchPlace& front = section.patches.front();
   const auto patch = [&](std::size_t i) {
-    return placed(part.places[i], kept_arrays(part.places[i], batches),
-                  {front.first_vertex, front.first_triangle});
+    return patch_to_write(section.patches[i], kept_arrays(section.patches[i], batches),
+                          {front.first_vertex, front.first_triangle});
   };
-  place_all(part.places.size(), patch, {}, first_vertices, unit, written.view(), stream);
+  write_patches(section.patches.size(), patch, {}, first_vertices, unit, written.view(), stream);
   // Before the transfer, not within it: a transfer holds the lock on the page-locked buffers, which
   // another thread may want meanwhile.
   stream.wait();
-  download_part(part, written, mesh, stream);
+  download_section(section, written, mesh, stream);
 }
 
 DeviceMesh assemble_mesh(const MeshToAssemble& parts, const KeptBatches& batches,
@@ -261,14 +268,14 @@ DeviceMesh assemble_mesh(const MeshToAssemble& parts, const KeptBatches& batches
   DeviceMesh mesh = empty_mesh(parts.size, stream);
   const DeviceArray<std::uint32_t> first_vertices(kept.first_vertices.size(), stream);
   const auto kept_patch = [&](std::size_t i) {
-    return placed(kept.places[i], kept_arrays(kept.places[i], batches), {0, 0});
+    return patch_to_write(kept.places[i], kept_arrays(kept.places[i], batches), {0, 0});
   };
-  place_all(kept.places.size(), kept_patch,
-            {{first_vertices.data(), kept.first_vertices.data(), first_vertices.bytes()}},
-            first_vertices.data(), kept.unit, mesh.view(), stream);
-  place_first_vertices(parts.boundary, first_vertices.data(), mesh, stream);
+  write_patches(kept.places.size(), kept_patch,
+                {{first_vertices.data(), kept.first_vertices.data(), first_vertices.bytes()}},
+                first_vertices.data(), kept.unit, mesh.view(), stream);
+  write_boundary(parts.boundary, first_vertices.data(), mesh, stream);
   for (const HostPatches& run : runs_of(parts.of_host)) {
-    run.place(first_vertices.data(), kept.unit, mesh, stream);
+    run.write_to(first_vertices.data(), kept.unit, mesh, stream);
   }
   stream.wait();
   return mesh;

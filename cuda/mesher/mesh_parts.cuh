@@ -1,5 +1,5 @@
-// Writes patches that the device keeps into a mesh: part by part into one in host memory, or into
-// one in its own memory.
+// Writes patches that the device keeps into a mesh: section by section into a mesh in host memory,
+// or at once into a mesh in device memory.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +12,28 @@
 
 namespace vdwmesh::mesher {
 
-// A run of places, and how many vertices and triangles there are from the first to the last one,
-// those of other patches between them included.
-struct MeshPart {
-  std::span<const PatchPlace> places;
+// Consecutive patches that the device keeps, and how many vertices and triangles the mesh has from
+// the first of these patches to the last one, with those of other patches between them.
+struct MeshSection {
+  std::span<const PatchPlace> patches;
   std::uint64_t vertices, triangles;
 
-  explicit MeshPart(std::span<const PatchPlace> some);
+  explicit MeshSection(std::span<const PatchPlace> some);
   std::uint64_t device_bytes() const;
 };
 
-// Parts of about so many bytes on the device, some four million triangles, so that parts travel
-// while others are written, and all pieces are long.
-inline constexpr std::uint64_t kMostPartBytes = std::uint64_t{160} << 20;
+// A section takes up to so many bytes on the device, which are some four million triangles: so
+// sections travel while others are written, and each transfer is long.
+inline constexpr std::uint64_t kMostSectionBytes = std::uint64_t{160} << 20;
 
-// Parts of up to so many bytes, but of one place at least.
-std::vector<MeshPart> parts_of(std::span<const PatchPlace> places, std::uint64_t most_bytes);
+// Sections of up to so many bytes, but of one patch at least.
+std::vector<MeshSection> sections_of(std::span<const PatchPlace> patches, std::uint64_t most_bytes);
 
-// Writes one part of a mesh on the host, by way of device memory. What lies between the places
+// Writes one section of a mesh on the host, by way of device memory. What lies between its patches
 // becomes zeros. `first_vertices` is on the device; it and `unit` are as in PatchPlaces.
-void write_part(const MeshPart& part, const KeptBatches& batches,
-                const std::uint32_t* first_vertices, double unit, IndexedMesh& mesh,
-                const Stream& stream);
+void write_section(const MeshSection& section, const KeptBatches& batches,
+                   const std::uint32_t* first_vertices, double unit, IndexedMesh& mesh,
+                   const Stream& stream);
 
 // Makes a whole mesh in device memory, PatchDevice::assemble(), and the bytes of device memory that
 // this takes beside the kept patches.

@@ -20,8 +20,8 @@ static_assert(kThreads * sizeof(PatchDesk) <= 48 * 1024, "what a block may have 
 // lanes lie side by side, so the desk of one lane would take as much of the cache as 32.
 // patches_per_warp() says why not all lanes have a patch.
 __global__ void __launch_bounds__(kThreads, kBlocks)
-    mesh(const BoundedPatch* patches, std::uint32_t count, PatchMemory memory,
-         PatchOutcome* outcomes, unsigned per_warp) {
+    mesh_bounded_patches(const BoundedPatch* patches, std::uint32_t count, PatchMemory memory,
+                         PatchOutcome* outcomes, unsigned per_warp) {
   extern __shared__ __align__(16) unsigned char desks[];
   const unsigned lane = threadIdx.x % 32;
   if (lane >= per_warp) return;
@@ -36,23 +36,23 @@ __device__ void copy_by_warp(const T* from, std::uint32_t count, T* to, unsigned
   for (std::uint32_t k = lane; k < count; k += 32) to[k] = from[k];
 }
 
-// Copies the results of each patch to its place behind those of the patches before it. A warp for
+// Copies the results of each patch behind those of the patches before it. A warp for
 // each patch; no shared memory.
-__global__ void gather(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
-                       GatheredPatches to) {
+__global__ void copy_results(const PatchOutcome* outcomes, const ResultOffsets* offsets,
+                             std::uint32_t count, GatheredPatches to) {
   const std::uint64_t i = thread_index() / 32;
   if (i >= count || outcomes[i].failure != PatchFailure::none) return;
   const unsigned lane = threadIdx.x % 32;
   const PatchOutcome& from = outcomes[i];
-  copy_by_warp(from.first_interior, from.interior, to.interior + places[i].interior, lane);
-  copy_by_warp(from.first_triangle, from.triangles, to.triangles + places[i].triangle, lane);
-  copy_by_warp(from.first_split, from.splits, to.splits + places[i].split, lane);
+  copy_by_warp(from.first_interior, from.interior, to.interior + offsets[i].interior, lane);
+  copy_by_warp(from.first_triangle, from.triangles, to.triangles + offsets[i].triangle, lane);
+  copy_by_warp(from.first_split, from.splits, to.splits + offsets[i].split, lane);
 }
 
 // A warp for each patch. The operations are those of the host (MeshPlacement::place_patch()), so
 // the bits are.
-__global__ void place(const PlacedPatch* patches, std::uint32_t count,
-                      const std::uint32_t* first_vertices, double unit, DeviceMeshView to) {
+__global__ void write_patches(const PlacedPatch* patches, std::uint32_t count,
+                              const std::uint32_t* first_vertices, double unit, DeviceMeshView to) {
   const std::uint64_t i = thread_index() / 32;
   if (i >= count) return;
   const unsigned lane = threadIdx.x % 32;
@@ -116,20 +116,21 @@ void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchM
   const std::uint64_t warps = blocks_for(count, per_warp);
   LaunchShape shape = over(32 * warps, kThreads);
   shape.shared = kThreads / 32 * per_warp * sizeof(PatchDesk);
-  launch("mesh_patches", mesh, shape, stream, patches, count, memory, outcomes, per_warp);
+  launch("mesh_bounded_patches", mesh_bounded_patches, shape, stream, patches, count, memory,
+         outcomes, per_warp);
 }
 
-void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
+void gather_patches(const PatchOutcome* outcomes, const ResultOffsets* offsets, std::uint32_t count,
                     const GatheredPatches& to, const Stream& stream) {
-  launch("gather_patches", gather, over(32 * std::uint64_t{count}, 128), stream, outcomes, places,
-         count, to);
+  launch("copy_results", copy_results, over(32 * std::uint64_t{count}, 128), stream, outcomes,
+         offsets, count, to);
 }
 
 void place_patches(const PlacedPatch* patches, std::uint32_t count,
                    const std::uint32_t* first_vertices, double unit, const DeviceMeshView& part,
                    const Stream& stream) {
-  launch("place_patches", place, over(32 * std::uint64_t{count}, 128), stream, patches, count,
-         first_vertices, unit, part);
+  launch("write_patches", write_patches, over(32 * std::uint64_t{count}, 128), stream, patches,
+         count, first_vertices, unit, part);
 }
 
 void place_boundary(const PlacedBoundary& boundary, const DeviceMeshView& mesh,

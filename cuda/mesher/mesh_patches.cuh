@@ -28,8 +28,8 @@ constexpr unsigned patches_per_warp(std::uint32_t patches) {
 void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,
                   PatchOutcome* outcomes, unsigned per_warp, const Stream& stream);
 
-// Where the parts of an outcome go, as indices into arrays for all.
-struct GatherPlace {
+// Where the results of a patch begin in the arrays of all patches.
+struct ResultOffsets {
   std::uint64_t interior, triangle, split;
 };
 struct GatheredPatches {
@@ -39,7 +39,7 @@ struct GatheredPatches {
 };
 
 // Copies the results of patches without a failure out of the work memory.
-void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
+void gather_patches(const PatchOutcome* outcomes, const ResultOffsets* offsets, std::uint32_t count,
                     const GatheredPatches& to, const Stream& stream);
 
 // A patch and its place in a part of a mesh.

@@ -36,18 +36,18 @@ constexpr const char* kPurpose = "looking for crossing triangles";
 
 // ---- the grid ----
 
-struct Extent {
+struct PatchesExtent {
   FloatBox all;      // holds all boxes
   double width_sum;  // the sum, over the boxes, of the longest side of each, Å
 };
 
 // The extent of no box: joined with any extent, it gives that extent.
 constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr Extent kNoExtent{{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}, 0};
+constexpr PatchesExtent kNoExtent{{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}, 0};
 
 // The extent of a single box.
 struct ExtentOf {
-  __host__ __device__ Extent operator()(const SurveyedPatch& patch) const {
+  __host__ __device__ PatchesExtent operator()(const SurveyedPatch& patch) const {
     const FloatBox& box = patch.box;
     double width = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -60,7 +60,7 @@ struct ExtentOf {
 
 // The extent of two groups of boxes together.
 struct JoinExtents {
-  __host__ __device__ Extent operator()(Extent a, const Extent& b) const {
+  __host__ __device__ PatchesExtent operator()(PatchesExtent a, const PatchesExtent& b) const {
     for (int axis = 0; axis < 3; ++axis) {
       a.all.lower[axis] = fminf(a.all.lower[axis], b.all.lower[axis]);
       a.all.upper[axis] = fmaxf(a.all.upper[axis], b.all.upper[axis]);
@@ -85,11 +85,11 @@ __device__ std::uint32_t cell_along(const CrossingGrid& grid, int axis, float co
 }
 
 // The position of a cell in the grid, as its index along each axis.
-struct Place {
+struct GridCell {
   std::uint32_t along[3];
 };
 
-__device__ Place place_of(const CrossingGrid& grid, const float* corner) {
+__device__ GridCell cell_at(const CrossingGrid& grid, const float* corner) {
   return {cell_along(grid, 0, corner[0]), cell_along(grid, 1, corner[1]),
           cell_along(grid, 2, corner[2])};
 }
@@ -97,7 +97,7 @@ __device__ Place place_of(const CrossingGrid& grid, const float* corner) {
 // Calls visit(cell) for every cell that the box touches, with the cell's number.
 template <class Visit>
 __device__ void visit_cells(const CrossingGrid& grid, const FloatBox& box, const Visit& visit) {
-  const Place low = place_of(grid, box.lower), high = place_of(grid, box.upper);
+  const GridCell low = cell_at(grid, box.lower), high = cell_at(grid, box.upper);
   for (std::uint64_t z = low.along[2]; z <= high.along[2]; ++z) {
     for (std::uint64_t y = low.along[1]; y <= high.along[1]; ++y) {
       const std::uint64_t row = (z * grid.cells[1] + y) * grid.cells[0];
@@ -198,7 +198,7 @@ __global__ void forget_listed(Patches level, EdgeList list, SurveyedPatch* patch
 // Whether the pair of patches with boxes a and b is to be tested in the cell at `place`, one of the
 // cells that both touch: whether this cell holds the lower corner of the boxes' intersection.
 // Precondition: the boxes overlap.
-__device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, const FloatBox& a,
+__device__ bool is_first_shared(const CrossingGrid& grid, const GridCell& place, const FloatBox& a,
                                 const FloatBox& b) {
   bool first = true;
   for (int axis = 0; axis < 3; ++axis) {
@@ -233,7 +233,7 @@ __global__ void find_pairs(CrossingGrid grid, const SurveyedPatch* patches,
   CellEntry entry{0, 0};
   std::uint64_t next = 0, end = 0;
   SurveyedPatch mine{};
-  Place place{};
+  GridCell place{};
   bool mine_wanted = false;
   if (own < last) {
     entry = grid.entries[own];
@@ -305,7 +305,7 @@ void CrossingFinder<Patches>::judge_fans(const MoveStatesView& move_states) {
 // least, until the cells are few enough.
 template <class Patches>
 void CrossingFinder<Patches>::shape() {
-  const DeviceArray<Extent> total(1, stream_.get());
+  const DeviceArray<PatchesExtent> total(1, stream_.get());
   const auto extents = thrust::make_transform_iterator(
       static_cast<const SurveyedPatch*>(patches_.data()), ExtentOf{});
   run_cub("extent of the patches", stream_.get(), [&](void* scratch, std::size_t& bytes) {
@@ -313,7 +313,7 @@ void CrossingFinder<Patches>::shape() {
                                      static_cast<std::int64_t>(patches_.size()), JoinExtents{},
                                      kNoExtent, stream_.get());
   });
-  const Extent extent = fetch(total.data(), stream_);
+  const PatchesExtent extent = fetch(total.data(), stream_);
   const auto patches = static_cast<double>(patches_.size());
   const double most = std::clamp(patches, 64.0, double{std::numeric_limits<std::uint32_t>::max()});
   // The bound of 1e-100 Å avoids a division by zero if all patches are points.

@@ -6,6 +6,7 @@
 #include "core/host_device.hpp"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/warp.cuh"
 #include "cuda/refine/edge_numbers.cuh"
 
 namespace vdwmesh {
@@ -34,7 +35,7 @@ __global__ void mark_first_half_edges(const std::uint32_t* opposite, std::uint64
   }
   const unsigned eighth = threadIdx.x % 8;
   bits <<= 4 * eighth;
-  for (int step = 1; step < 8; step *= 2) bits |= __shfl_xor_sync(0xffffffffu, bits, step);
+  bits = joined_by_warp<4>(bits, [](std::uint32_t a, std::uint32_t b) { return a | b; });
   if (eighth == 0 && h < half_edges) words[h / kHalfEdgesPerWord].first = bits;
 }
 

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 
+#include "core/first_from.hpp"
 #include "cuda/memory/device_memory.cuh"
 
 namespace vdwmesh {
@@ -39,11 +40,9 @@ struct EdgeNumbersView {
   // most `edge` edges before it, then the search for the right bit of the word (__fns finds the
   // n-th set bit, n counted from 1).
   __device__ std::uint64_t half_edge(std::uint32_t edge) const {
-    std::uint64_t low = 0, high = count;
-    while (low + 1 < high) {
-      const std::uint64_t middle = low + (high - low) / 2;
-      (words[middle].before <= edge ? low : high) = middle;
-    }
+    const std::uint64_t low = first_from(std::uint64_t{1}, count,
+                                         [&](std::uint64_t i) { return words[i].before <= edge; }) -
+                              1;
     const EdgeWord w = words[low];
     return kHalfEdgesPerWord * low + __fns(w.first, 0, static_cast<int>(edge - w.before + 1));
   }

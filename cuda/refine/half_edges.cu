@@ -37,8 +37,8 @@ __global__ void fill_buckets(HalfEdges all, std::uint32_t* ends, std::uint32_t* 
 }
 
 // A thread for each half-edge. begin[v + 1] is where the bucket of v ends.
-__global__ void match(HalfEdges all, const std::uint32_t* begin, const std::uint32_t* buckets,
-                      std::uint32_t* opposite) {
+__global__ void match_half_edges(HalfEdges all, const std::uint32_t* begin,
+                                 const std::uint32_t* buckets, std::uint32_t* opposite) {
   const std::uint64_t h = thread_index();
   if (h >= all.count) return;
   const std::uint32_t from = all.end(h), to = all.start(h);
@@ -59,7 +59,7 @@ __global__ void match(HalfEdges all, const std::uint32_t* begin, const std::uint
 }
 
 // Finds the lowest half-edge whose opposite does not come back to it. The ends of both are the same
-// by the search of match().
+// by the search of match_half_edges().
 __global__ void find_first_bad(const std::uint32_t* opposite, std::uint64_t count,
                                unsigned long long* first_bad) {
   const std::uint64_t h = thread_index();
@@ -86,7 +86,8 @@ DeviceArray<std::uint32_t> find_opposite_on_device(const DeviceMeshView& mesh,
                                            static_cast<std::int64_t>(begin.size()), stream.get());
     });
     launch("fill_buckets", fill_buckets, shape, stream.get(), all, begin.data(), buckets.data());
-    launch("match", match, shape, stream.get(), all, begin.data(), buckets.data(), opposite.data());
+    launch("match_half_edges", match_half_edges, shape, stream.get(), all, begin.data(),
+           buckets.data(), opposite.data());
   }
   const unsigned long long none = ~0ull;
   const DeviceArray<unsigned long long> bad = upload(&none, 1, stream.get());

@@ -79,12 +79,12 @@ struct EdgeMiddles {
 // projection moves the point by `reach` at most, and at every place on its way it asks for balls
 // within reach + kProjectionTolerance.
 template <unsigned kRounds, class HalfEdge>
-__device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, EdgeMiddles& middles,
-                                const HalfEdge& half_edge) {
+__device__ PointsBox load_middles(const MidpointLevel& level, unsigned count, EdgeMiddles& middles,
+                                  const HalfEdge& half_edge) {
   static_assert(kRounds <= kMostRounds);
   const DeviceMeshView& parent = level.parent;
   const unsigned lane = threadIdx.x % kWarp;
-  WarpBox box(level.middle_of(half_edge(0)));
+  PointsBox box(level.middle_of(half_edge(0)));
 #pragma unroll
   for (unsigned round = 0; round < kRounds; ++round) {
     const unsigned i = round * kWarp + lane;
@@ -195,7 +195,7 @@ __global__ void __launch_bounds__(kThreads, 6)
   unsigned deferred = 0;
   for (unsigned group = 0; group < count; group += kRounds * kWarp) {
     const unsigned here = count - group < kRounds * kWarp ? count - group : kRounds * kWarp;
-    const WarpBox box = load_middles<kRounds>(level, here, s.middles[warp], [&](unsigned i) {
+    const PointsBox box = load_middles<kRounds>(level, here, s.middles[warp], [&](unsigned i) {
       return first_half_edge + list[group + i];
     });
     WarpBalls balls(surface.list, s.balls[warp], box);
@@ -287,8 +287,8 @@ __global__ void __launch_bounds__(kThreads, 4)
   OutcomeTally tally;
   for (unsigned group = 0; group < count; group += group_size) {
     const unsigned here = count - group < group_size ? count - group : group_size;
-    const WarpBox box = load_middles<kMostRounds>(level, here, s.middles[warp],
-                                                  [&](unsigned i) { return half_edge(group + i); });
+    const PointsBox box = load_middles<kMostRounds>(
+        level, here, s.middles[warp], [&](unsigned i) { return half_edge(group + i); });
     WarpBalls balls(surface.list, s.balls[warp], box);
     for (unsigned i = lane; i < here; i += kWarp) {
       const Vec3d start = middles.start[i];

@@ -54,7 +54,7 @@ __global__ void __launch_bounds__(kThreads)
   const std::uint64_t first = (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kGroup;
   if (first >= mesh.vertices) return;
   const std::uint64_t end = first + kGroup < mesh.vertices ? first + kGroup : mesh.vertices;
-  WarpBox box(mesh.positions[first]);
+  PointsBox box(mesh.positions[first]);
 #pragma unroll
   for (unsigned round = 0; round < kRounds; ++round) {
     const std::uint64_t v = first + round * kWarp + lane;

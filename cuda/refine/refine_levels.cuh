@@ -9,6 +9,7 @@
 
 #include "cuda/memory/device_structures.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/warp.cuh"
 #include "cuda/refine/edge_numbers.cuh"
 #include "refine/level_view.hpp"
 #include "refine/surface_view.hpp"
@@ -37,16 +38,12 @@ class OutcomeTally {
 
   // Adds the tallies of a warp to the stats. All 32 lanes must call it together, once.
   __device__ void add_to(DeviceStats* stats) const {
-    constexpr unsigned all = 0xffffffffu;
-    const unsigned converged = __reduce_add_sync(all, converged_);
-    const unsigned unconverged = __reduce_add_sync(all, unconverged_);
-    const unsigned out_of_reach = __reduce_add_sync(all, out_of_reach_);
-    const int steps = __reduce_max_sync(all, steps_);
-    double residual = residual_;
-    for (int step = 16; step > 0; step /= 2) {
-      const double other = __shfl_xor_sync(all, residual, step);
-      if (other > residual) residual = other;
-    }
+    const unsigned converged = __reduce_add_sync(kAllLanes, converged_);
+    const unsigned unconverged = __reduce_add_sync(kAllLanes, unconverged_);
+    const unsigned out_of_reach = __reduce_add_sync(kAllLanes, out_of_reach_);
+    const int steps = __reduce_max_sync(kAllLanes, steps_);
+    const double residual =
+        joined_by_warp(residual_, [](double a, double b) { return b > a ? b : a; });
     if (threadIdx.x % 32 != 0) return;
     if (converged > 0) atomicAdd(&stats->projected, converged);
     if (unconverged > 0) atomicAdd(&stats->unconverged, unconverged);

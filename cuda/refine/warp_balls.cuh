@@ -10,7 +10,8 @@
 
 #include <cstdint>
 
-#include "cuda/extract/ordered_gather.cuh"
+#include "cuda/memory/ordered_bits.cuh"
+#include "cuda/spheres/visit_level.cuh"
 #include "refine/projection_formulas.hpp"
 
 namespace vdwmesh {
@@ -26,25 +27,13 @@ struct WarpBallsStorage {
   ListPlace place[kNearBalls];
 };
 
-// Maps floats to integers of the same order, and back, because __reduce_max_sync() takes integers
-// only. As integers, the bits of positive floats rise with the float, but those of negative floats
-// fall: their bits below the sign are inverted. bits >> 31 is all ones for a negative float, else
-// 0.
-__device__ inline int ordered(float f) {
-  const int bits = __float_as_int(f);
-  return bits ^ ((bits >> 31) & 0x7fffffff);
-}
-__device__ inline float from_ordered(int bits) {
-  return __int_as_float(bits ^ ((bits >> 31) & 0x7fffffff));
-}
-
 // The bounding box of a warp's points, relative to an origin near them and rounded outward to
 // single precision. Beside it stands the width: the largest distance at which any of the points
 // asks for balls.
-class WarpBox {
+class PointsBox {
  public:
   // All lanes must give the same origin, which is one of the points or near them.
-  __device__ explicit WarpBox(const Vec3d& origin) : origin_(origin) {}
+  __device__ explicit PointsBox(const Vec3d& origin) : origin_(origin) {}
   // Adds a point of the calling lane, which asks for balls within `wide` (Å). Until join() each
   // lane has a box of its own.
   __device__ void add(const Vec3d& p, double wide) {
@@ -58,10 +47,10 @@ class WarpBox {
   // Replaces the lanes' boxes by the box of the whole warp. All lanes must call it together, once.
   __device__ void join() {
     for (int axis = 0; axis < 3; ++axis) {
-      low_[axis] = from_ordered(__reduce_min_sync(kAllLanes, ordered(low_[axis]))) * 1.00001f;
-      high_[axis] = from_ordered(__reduce_max_sync(kAllLanes, ordered(high_[axis]))) * 1.00001f;
+      low_[axis] = least_of_warp(low_[axis]) * 1.00001f;
+      high_[axis] = largest_of_warp(high_[axis]) * 1.00001f;
     }
-    wide_ = from_ordered(__reduce_max_sync(kAllLanes, ordered(wide_))) * 1.00001f;
+    wide_ = largest_of_warp(wide_) * 1.00001f;
   }
   __device__ const Vec3d& origin() const { return origin_; }
   __device__ float low(int axis) const { return low_[axis]; }
@@ -75,7 +64,7 @@ class WarpBox {
   float low_[3] = {0, 0, 0}, high_[3] = {0, 0, 0}, wide_ = 0;
 };
 
-// The balls near a WarpBox, for one of two uses. Either each lane calls begin() for each of its
+// The balls near a PointsBox, for one of two uses. Either each lane calls begin() for each of its
 // points, then nearest() for it. Or all lanes call prepare_covers() once, and then
 // is_on_at_most_one_ball() for their points.
 class WarpBalls {
@@ -83,7 +72,7 @@ class WarpBalls {
   // Gathers the balls near the box. All lanes must call it together. If the box spans too many
   // cells or there are more than kNearBalls balls, the set is incomplete: nearest() then searches
   // the cell list, and is_on_at_most_one_ball() is always false.
-  __device__ WarpBalls(const CellListView& list, WarpBallsStorage& storage, const WarpBox& box);
+  __device__ WarpBalls(const CellListView& list, WarpBallsStorage& storage, const PointsBox& box);
 
   // Announces a new point of the lane. Between the calls of nearest() the point may move, but never
   // further than `moves` (Å) from where it is announced. Such a move changes the gap of every ball
@@ -156,7 +145,7 @@ class WarpBalls {
 };
 
 __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorage& storage,
-                                       const WarpBox& box)
+                                       const PointsBox& box)
     : list_(list), storage_(storage), origin_(box.origin()) {
   // `extent` becomes the largest distance from the origin, along any axis, of the box widened by
   // `reach`.
@@ -184,7 +173,8 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
   // No lane may still read the balls of an earlier set in the same storage.
   __syncwarp();
   for (int l = 0; l < list.level_count && !full; ++l) {
-    visit_level_by_warp(list.levels[l], lower, upper, [&](ListPlace place, bool valid) {
+    const CellListView::Level& level = list.levels[l];
+    visit_level_by_warp(level, level.cell_start, lower, upper, [&](ListPlace place, bool valid) {
       float4 ball{0, 0, 0, 0};
       bool near = false;
       if (valid) {
@@ -221,7 +211,7 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
   const unsigned lane = threadIdx.x % kWarp;
   if (lane < kAtATime) storage.rough[count_ + lane] = {1e18f, 0, 0, 0};
   __syncwarp();
-  largest = from_ordered(__reduce_max_sync(kAllLanes, ordered(largest)));
+  largest = largest_of_warp(largest);
   // The error of gap_of(): all lengths in it are at most largest + 3 * extent (Å), and it makes
   // about eight roundings of relative size 2^-24 = 6e-8, 5e-7 together. 4e-6 is eight times as
   // much. The constant 1e-15 covers squares that underflow: then d is below 1e-19. If error_bound_

@@ -52,7 +52,7 @@ struct LevelSurvey {
 };
 
 // The spheres of a list, and the reach by which they are sorted into levels.
-struct ListSource {
+struct ListedSpheres {
   const Sphere* spheres;
   std::uint32_t size;
   FieldModel model;
@@ -62,7 +62,7 @@ struct ListSource {
 };
 
 // A thread for each sphere of a share of them. A block joins what it found in shared memory.
-__global__ void survey_levels(ListSource list, LevelSurvey* survey) {
+__global__ void survey_levels(ListedSpheres list, LevelSurvey* survey) {
   __shared__ LevelBits own[kMostLevels];
   if (threadIdx.x < kMostLevels) own[threadIdx.x] = kNoSpheres;
   __syncthreads();
@@ -96,7 +96,7 @@ LevelExtent extent_of(const LevelBits& bits) {
   return extent;
 }
 
-CellListFrame make_frame_on_device(const ListSource& list, const Stream& stream) {
+CellListFrame make_frame_on_device(const ListedSpheres& list, const Stream& stream) {
   LevelSurvey start;
   std::ranges::fill(start.levels, kNoSpheres);
   const DeviceArray<LevelSurvey> survey = upload(&start, 1, stream);
@@ -145,13 +145,13 @@ struct CanonicalOrder {
 };
 
 // A thread for each sphere, in the caller's order.
-__global__ void make_keys(ListSource list, OrderKey* keys) {
+__global__ void make_keys(ListedSpheres list, OrderKey* keys) {
   const std::uint64_t i = thread_index();
   if (i < list.size) keys[i] = {list.spheres[i].center.x, static_cast<SphereId>(i)};
 }
 
 // A thread for each rank: finds the sphere's cell and counts it there.
-__global__ void find_cells(ListSource list, LevelTable table, const OrderKey* order,
+__global__ void find_cells(ListedSpheres list, LevelTable table, const OrderKey* order,
                            std::uint32_t* cell_of, Rank* rank, std::uint32_t* counts) {
   const std::uint64_t i = thread_index();
   if (i >= list.size) return;
@@ -165,7 +165,7 @@ __global__ void find_cells(ListSource list, LevelTable table, const OrderKey* or
 }
 
 // A thread for each list place, whose rank is known.
-__global__ void place_spheres(ListSource list, const OrderKey* order, const Rank* rank,
+__global__ void place_spheres(ListedSpheres list, const OrderKey* order, const Rank* rank,
                               SphereId* ids, Sphere* spheres) {
   const std::uint64_t place = thread_index();
   if (place >= list.size) return;
@@ -173,7 +173,7 @@ __global__ void place_spheres(ListSource list, const OrderKey* order, const Rank
   spheres[place] = list.spheres[ids[place]];
 }
 
-DeviceArray<OrderKey> canonical_keys(const ListSource& list, const Stream& stream) {
+DeviceArray<OrderKey> canonical_keys(const ListedSpheres& list, const Stream& stream) {
   DeviceArray<OrderKey> keys(list.size, stream);
   launch("make_keys", make_keys, over(list.size, kThreads), stream, list, keys.data());
   run_cub("canonical order", stream, [&](void* scratch, std::size_t& bytes) {
@@ -231,7 +231,7 @@ DeviceCellList build_cell_list(const Sphere* source, std::size_t count, double l
   const auto size = static_cast<std::uint32_t>(count);
   // field_reach() does not fall as the radius grows, so the least radius has the smallest reach.
   const double smallest = given ? given->smallest_reach : field_reach(model, least_radius);
-  const ListSource list{source, size, model, smallest};
+  const ListedSpheres list{source, size, model, smallest};
   const CellListFrame frame = given ? *given : make_frame_on_device(list, stream);
   LevelTable table{};
   const std::uint32_t cells = number_cells(frame, table);

@@ -160,8 +160,8 @@ VDWMESH_MULTIVERSION double area_along_rays(const CellListView& list, const Fiel
   return 4 * std::numbers::pi / rays * sum;
 }
 
-// Samples of one sphere's part of the surface, in `points` directions from its centre. Each stands
-// for the areas of `weight` spheres.
+// Samples of one sphere's part of the surface, in `points` directions from its centre. Each
+// stands for the areas of `weight` spheres.
 void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace own, int points,
                    double weight, std::vector<SurfaceSample>& samples) {
   const Sphere& ball = list.spheres[own];
@@ -182,9 +182,9 @@ void sample_sphere(const CellListView& list, const FieldModel& model, ListPlace 
 }
 
 // The part of a set of so many spheres, and its sample: evenly spaced numbers, ascending.
-class Part {
+class SampledBlock {
  public:
-  Part(std::uint64_t spheres, std::size_t part, std::size_t parts)
+  SampledBlock(std::uint64_t spheres, std::size_t part, std::size_t parts)
       : first_(begin_of_part(spheres, part, parts)),
         size_(begin_of_part(spheres, part + 1, parts) - first_) {}
 
@@ -211,7 +211,7 @@ struct Reaches {
 };
 
 // Precondition: the part has spheres.
-Reaches reaches_of(const SphereSet& spheres, const FieldModel& model, const Part& part) {
+Reaches reaches_of(const SphereSet& spheres, const FieldModel& model, const SampledBlock& part) {
   return join_blocks(
       part.size(),
       [&](std::size_t begin, std::size_t end) {
@@ -284,15 +284,15 @@ class MarkedCells {
 // of a ray beyond its reach. Numbers of a structure mostly follow each other in space, so the box
 // of a block leaves out most samples. Of the spheres of the block, most are near no sample, and one
 // look at the cells around the samples tells.
-class Samples {
+class AreaSamples {
  public:
   // Precondition of add(): the sphere and its reach are within `around`.
-  Samples(const SphereSet& spheres, const FieldModel& model, std::size_t parts,
-          const Reaches& around)
+  AreaSamples(const SphereSet& spheres, const FieldModel& model, std::size_t parts,
+              const Reaches& around)
       : ends_in_box_(model.kind != FieldKind::vdw && model.truncation == Truncation::subgrid) {
     std::vector<Sphere> all;
     for (std::size_t part = 0; part < parts; ++part) {
-      for (const SphereId id : Part(spheres.size(), part, parts).sample()) {
+      for (const SphereId id : SampledBlock(spheres.size(), part, parts).sample()) {
         const Sphere& s = spheres[id];
         const double reach = field_reach(model, s.radius) + kRayStep * s.radius;
         if (!meet(around.box, box_of({s.center, reach}))) continue;
@@ -358,9 +358,9 @@ std::vector<std::vector<SphereId>> spheres_near_samples(const SphereSet& spheres
                                                         const FieldModel& model, std::size_t block,
                                                         std::size_t parts) {
   using Near = std::vector<std::vector<SphereId>>;  // by part
-  const Part own(spheres.size(), block, parts);
+  const SampledBlock own(spheres.size(), block, parts);
   if (own.size() == 0) return Near(parts);
-  const Samples samples(spheres, model, parts, reaches_of(spheres, model, own));
+  const AreaSamples samples(spheres, model, parts, reaches_of(spheres, model, own));
   return join_blocks(
       own.size(),
       [&](std::size_t begin, std::size_t end) {
@@ -379,7 +379,7 @@ std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldM
                                           std::span<const SphereId> near) {
   constexpr std::uint64_t kPoints = 16384;
   constexpr std::uint64_t kFewestPoints = 8, kMostPoints = 256;  // of one sphere
-  const Part own(spheres.size(), part, parts);
+  const SampledBlock own(spheres.size(), part, parts);
   const std::vector<SphereId> sample = own.sample();
   if (sample.empty()) return {};
   const auto points =

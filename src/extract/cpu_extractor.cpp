@@ -20,7 +20,7 @@ namespace {
 
 // What the loops of one extraction read. Each call of count() or emit() below makes a Surface of
 // its own from it, so they can run on many threads.
-struct Job {
+struct BrickWork {
   const CellListView& list;
   const FieldModel& model;
 };
@@ -40,19 +40,19 @@ struct SurfaceOf<UnionOfBalls> {
 // ---- the loops of brick_extraction.hpp, compiled for two processor versions ----
 
 template <class Kind>
-VDWMESH_MULTIVERSION std::size_t count(const Job& j, Keys keys, ActiveBrick* out) {
+VDWMESH_MULTIVERSION std::size_t count(const BrickWork& j, Keys keys, ActiveBrick* out) {
   typename SurfaceOf<Kind>::type surface(j.list, j.model);
   return count_bricks(surface, j.model.grid, keys, out);
 }
 
 template <class Kind>
-VDWMESH_MULTIVERSION EmissionTally emit(const Job& j, const Emission& e, std::size_t begin,
+VDWMESH_MULTIVERSION EmissionTally emit(const BrickWork& j, const Emission& e, std::size_t begin,
                                         std::size_t end) {
   typename SurfaceOf<Kind>::type surface(j.list, j.model);
   return emit_bricks(e, begin, end, surface);
 }
 
-BrickLoops loops_of(const Job& job) {
+BrickLoops loops_of(const BrickWork& job) {
   return with_kind(job.model.kind, [&]<class Kind>(Kind) {
     return BrickLoops{[job](Keys keys, ActiveBrick* out) { return count<Kind>(job, keys, out); },
                       [job](const Emission& e, std::size_t begin, std::size_t end) {
@@ -62,23 +62,24 @@ BrickLoops loops_of(const Job& job) {
 }
 
 // What an extraction needs: the field with its grid, and the cell list, which the workspace keeps.
-struct Scene {
+struct ListedField {
   // `ids`: what labels call the spheres; empty: their indices.
-  Scene(const SphereSet& spheres, std::span<const SphereId> ids, const ExtractOptions& options,
-        Workspace& workspace)
+  ListedField(const SphereSet& spheres, std::span<const SphereId> ids,
+              const ExtractOptions& options, Workspace& workspace)
       : model(make_field_model(options.field, make_grid(spheres, options.grid))),
         list(field_list(spheres, model, options.frame, workspace)) {
     if (!ids.empty()) use_ids(ids, list, own_ids);
   }
 
-  // A function that searches the bricks of the range when it is called. The Scene must outlive it.
-  // The largest number of bricks is that of which the ActiveBricks fit in the memory limit.
+  // A function that searches the bricks of the range when it is called. The ListedField must
+  // outlive it. The largest number of bricks is that of which the ActiveBricks fit in the memory
+  // limit.
   CandidateSearch candidates(const KeyRange& range, const ExtractOptions& options) const {
     return
         [this, range, most = options.memory_limit / sizeof(ActiveBrick),
          monitor = options.monitor] { return candidate_bricks(list, model, range, most, monitor); };
   }
-  Job job() const { return {list, model}; }
+  BrickWork job() const { return {list, model}; }
 
   FieldModel model;
   CellListView list;
@@ -129,7 +130,7 @@ class CpuSurfacePart final : public PartWithoutHalo {
 
  private:
   WorkspaceOfCall workspace_;
-  Scene scene_;
+  ListedField scene_;
   BrickMesher mesher_;
 };
 
@@ -138,7 +139,7 @@ class CpuExtractor final : public Extractor {
   void extract_into(ExtractResult& result, const SphereSet& spheres,
                     const ExtractOptions& options) const override {
     WorkspaceOfCall workspace(options.workspace);
-    const Scene scene(spheres, {}, options, workspace);
+    const ListedField scene(spheres, {}, options, workspace);
     // The range {} is all bricks.
     mesh_bricks(result, scene.model.grid, scene.candidates({}, options), loops_of(scene.job()),
                 LabelWidth::one, options, workspace);

@@ -19,19 +19,6 @@ double fitting_spacing(double spacing, std::uint64_t need, std::uint64_t limit) 
   return spacing * std::sqrt(static_cast<double>(need) / static_cast<double>(limit)) * 1.02;
 }
 
-// Node values take a float32 each.
-void check_sampling(const FieldModel& model, std::uint64_t memory_limit) {
-  if (model.kind == FieldKind::vdw) {
-    throw InvalidInput("the vdw field has no node values: sample blinn, soft or inverse-squared");
-  }
-  const std::uint64_t most = memory_limit / sizeof(float);
-  if (model.grid.node_count() <= most) return;
-  throw LimitExceeded(
-      fmt::format("the field has {} nodes, {} fit in the memory allowed: choose a "
-                  "larger spacing or a higher memory limit",
-                  model.grid.node_count(), most));
-}
-
 }  // namespace
 
 void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
@@ -56,28 +43,11 @@ void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
   }
 }
 
-FieldModel begin_sampling(SampledField& field, const SphereSet& spheres,
-                          const ExtractOptions& options) {
-  field.grid = make_grid(spheres, options.grid);
-  const FieldModel model = make_field_model(options.field, field.grid);
-  check_sampling(model, options.memory_limit);
-  field.isovalue = static_cast<float>(model.isovalue);
-  return model;
-}
-
 void check_sampled(const SampledFieldView& field) {
   check(field.grid);
   if (!std::isfinite(field.isovalue)) {
     throw InvalidInput(fmt::format("isovalue {}: must be finite", field.isovalue));
   }
-}
-
-void check_values(const SampledField& field) {
-  check_sampled(field.view());
-  const std::uint64_t nodes = field.grid.node_count();
-  if (field.values.size() == nodes) return;
-  throw InvalidInput(fmt::format("the field has {} values for the {} nodes of its grid",
-                                 field.values.size(), nodes));
 }
 
 }  // namespace vdwmesh

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 
-#include "extract/field.hpp"
 #include "extract/sampled_field.hpp"
 #include "surface/indexed_mesh.hpp"
 
@@ -23,18 +22,9 @@ struct MeshDemand {
 // number needed, the number allowed and a spacing that fits.
 void check_mesh_limits(const MeshDemand& demand, std::uint64_t memory_limit);
 
-// The field of the options on its grid, checked for sampling, as FieldMesher::sample() begins on
-// every backend: fills the grid and the isovalue of `field` and leaves its values to the caller.
-// Throws InvalidInput for vdw, which has no values, and LimitExceeded if the values take more than
-// options.memory_limit bytes.
-FieldModel begin_sampling(SampledField& field, const SphereSet& spheres,
-                          const ExtractOptions& options);
-
 // Called before a field in memory is meshed. Throws InvalidInput if its grid has a spacing that is
 // not positive, numbers that are not finite or negative cells, or if its isovalue is not finite.
 // Throws LimitExceeded beyond kMaxCellsPerAxis.
 void check_sampled(const SampledFieldView& field);
-// The same of a field that owns its values, which must be one for each node.
-void check_values(const SampledField& field);
 
 }  // namespace vdwmesh

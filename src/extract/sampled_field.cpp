@@ -1,67 +1,16 @@
-// FieldMesher on the CPU. Sampling visits all bricks, rows along x in parallel, and stores the
-// values that the Extractor would compute in them. Meshing is marching cubes over all bricks
-// (bricks/brick_mesher.hpp) with signs and vertices from the stored values instead of the
-// spheres.
+// FieldMesher on the CPU: marching cubes over all bricks (bricks/brick_mesher.hpp) with signs and
+// vertices from the stored values instead of the spheres.
 #include "extract/sampled_field.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include "core/multiversion.hpp"
-#include "extract/blended/blended_brick.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 #include "extract/bricks/brick_mesher.hpp"
-#include "extract/field_kinds.hpp"
-#include "extract/field_list.hpp"
 #include "extract/limits.hpp"
 
 namespace vdwmesh {
 namespace {
 
 using Keys = std::span<const std::uint64_t>;
-
-// ---- sampling ----
-
-// The row of bricks along x with these indices along y and z.
-struct BrickRow {
-  std::int32_t y, z;
-};
-
-// Input and output of the sampling; `values` are those of the SampledField.
-struct Sampling {
-  const CellListView& list;
-  const FieldModel& model;
-  float* values;
-};
-
-// Writes the values of the nodes that the brick owns and that belong to the grid.
-void store(const BrickValues& field, const BrickGeometry& g, const Sampling& s) {
-  const GridSpec& grid = s.model.grid;
-  for (int z = 0; z < kBrickSide; ++z) {
-    for (int y = 0; y < kBrickSide; ++y) {
-      if ((g.real[1] >> y & g.real[2] >> z & 1) == 0) continue;
-      for (int x = 0; x < kBrickSide; ++x) {
-        if ((g.real[0] >> x & 1) == 0) continue;
-        const int node[3] = {x, y, z};
-        const SampledFieldView view{grid, s.values, 0};
-        s.values[node_address(view, lattice_node(g.brick, node)) - view.values] =
-            field.row[z][y][x];
-      }
-    }
-  }
-}
-
-// Samples one row of bricks; VDWMESH_MULTIVERSION compiles it for two processor versions.
-template <BlendedKind Kind>
-VDWMESH_MULTIVERSION void sample_row(const Sampling& s, const BrickRow& row) {
-  BlendedBrick<Kind> surface(s.list, s.model);
-  BrickValues field;
-  for (std::int32_t x = 0; x < brick_count(s.model.grid.cells.x); ++x) {
-    const BrickIndex brick{x, row.y, row.z};
-    surface.visit(brick);
-    surface.values(field);
-    store(field, brick_geometry(s.model.grid, brick), s);
-  }
-}
 
 // The Surface (brick_extraction.hpp) of a sampled field.
 class SampledBrick {
@@ -150,25 +99,6 @@ std::vector<std::uint64_t> all_bricks(const GridSpec& grid) {
 
 class CpuFieldMesher final : public FieldMesher {
  public:
-  SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
-    SampledField field;
-    const FieldModel model = begin_sampling(field, spheres, options);
-    field.values.resize(field.grid.node_count());
-    WorkspaceOfCall workspace(options.workspace);
-    const CellListView list = field_list(spheres, model, options.frame, workspace);
-    const Sampling sampling{list, model, field.values.data()};
-    const auto sample_row =
-        with_blended(model.kind, []<class Kind>(Kind) { return &vdwmesh::sample_row<Kind>; });
-    const std::int32_t height = brick_count(field.grid.cells.y);
-    const std::int32_t rows = height * brick_count(field.grid.cells.z);
-    begin_stage(options.monitor, "field", static_cast<std::uint64_t>(rows));
-    tbb::parallel_for(std::int32_t{0}, rows, [&](std::int32_t row) {
-      sample_row(sampling, {row % height, row / height});
-      advance(options.monitor, 1);
-    });
-    return field;
-  }
-
   void mesh_into(ExtractResult& result, const SampledFieldView& field,
                  const ExtractOptions& options) const override {
     check_sampled(field);
@@ -185,18 +115,6 @@ class CpuFieldMesher final : public FieldMesher {
 };
 
 }  // namespace
-
-void FieldMesher::mesh_into(ExtractResult& result, const SampledField& field,
-                            const ExtractOptions& options) const {
-  check_values(field);
-  mesh_into(result, field.view(), options);
-}
-
-ExtractResult FieldMesher::mesh(const SampledField& field, const ExtractOptions& options) const {
-  ExtractResult result;
-  mesh_into(result, field, options);
-  return result;
-}
 
 ExtractResult FieldMesher::mesh(const SampledFieldView& field,
                                 const ExtractOptions& options) const {

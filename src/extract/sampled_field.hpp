@@ -1,13 +1,10 @@
-// Fields that are given by their values at the nodes of a grid. A FieldMesher makes such a field
-// from spheres, and makes a mesh from such a field.
+// Fields that are given by their values at the nodes of a grid. A FieldMesher makes a mesh of such
+// a field.
 #pragma once
 
 #include <memory>
-#include <string>
 
-#include "core/buffer.hpp"
 #include "extract/extractor.hpp"
-#include "extract/field.hpp"
 #include "extract/grid.hpp"
 
 namespace vdwmesh {
@@ -20,26 +17,11 @@ struct SampledFieldView {
   float isovalue;
 };
 
-struct SampledField {
-  GridSpec grid{};
-  Buffer<float> values;
-  float isovalue = 1;
-  // If the CPU sampled the field although a device was asked for: the reason. Else empty.
-  std::string fallback{};
-
-  SampledFieldView view() const { return {grid, values.data(), isovalue}; }
-};
-
-// Samples fields and meshes sampled fields. The values of the whole grid are in memory. Every
-// backend gives the same values and the same meshes, bit by bit.
+// Meshes fields whose values at the nodes of the whole grid are in memory. Every backend makes the
+// same meshes, bit by bit.
 class FieldMesher {
  public:
   virtual ~FieldMesher() = default;
-
-  // The blended field of `options` at every node of its grid. The float32 values are those by which
-  // the Extractor decides which nodes are inside. Throws InvalidInput for FieldKind::vdw and where
-  // the Extractor does, and LimitExceeded if the values take more than options.memory_limit bytes.
-  virtual SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const = 0;
 
   // Marching cubes over a sampled field. Replaces `result`. The mesh is closed, and its vertices
   // and triangles are in the order of the Extractor. A vertex is found by linear interpolation
@@ -55,13 +37,7 @@ class FieldMesher {
   virtual void mesh_into(ExtractResult& result, const SampledFieldView& field,
                          const ExtractOptions& options) const = 0;
 
-  // The same for a field that owns its values. Throws InvalidInput for a number of values that is
-  // not the number of nodes.
-  void mesh_into(ExtractResult& result, const SampledField& field,
-                 const ExtractOptions& options) const;
-
   // mesh_into() a new result.
-  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const;
   ExtractResult mesh(const SampledFieldView& field, const ExtractOptions& options) const;
 };
 

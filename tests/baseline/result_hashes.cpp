@@ -19,6 +19,7 @@
 #include "refine/patch_refiner.hpp"
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"
+#include "support/sampled_spheres.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -106,7 +107,7 @@ void print_sampled(const SphereSet& spheres) {
     options.field.kind = kind;
     options.grid.spacing = 0.9;
     print(fmt::format("sampled field {}", static_cast<int>(kind)),
-          mesher->mesh(mesher->sample(spheres, options), options).mesh);
+          mesher->mesh(testing::sampled_spheres(spheres, options), options).mesh);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "cuda/backend.hpp"
 #include "cuda/fake_runtime.hpp"
 #include "cuda/memory/device_memory.cuh"
+#include "support/sampled_spheres.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -221,13 +222,13 @@ TEST_F(Devices, AutomaticBackendsLeaveToTheCpuWhatDoesNotFit) {
   const ExtractResult extracted = make_extractor(Backend::automatic)->extract(spheres, options);
   EXPECT_EQ(hash(extracted.mesh), hash(make_cpu_extractor()->extract(spheres, options).mesh));
   const auto mesher = make_field_mesher(Backend::automatic);
-  const SampledField field = mesher->sample(spheres, options);
+  const testing::SampledField field = testing::sampled_spheres(spheres, options);
   const ExtractResult meshed = mesher->mesh(field, options);
   EXPECT_EQ(hash(meshed.mesh), hash(make_cpu_field_mesher()->mesh(field, options).mesh));
   RefineOptions refine;
   refine.field = options.field;
   refine.projection = Projection::field;
-  std::vector<std::string> fallbacks = {extracted.fallback, field.fallback, meshed.fallback};
+  std::vector<std::string> fallbacks = {extracted.fallback, meshed.fallback};
   for (refine.subdivisions = 0; refine.subdivisions < 2; ++refine.subdivisions) {
     const PipelineResult result = make_pipeline(Backend::automatic)->run(spheres, options, refine);
     EXPECT_EQ(hash(result.mesh),

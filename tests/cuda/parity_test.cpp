@@ -15,6 +15,7 @@
 
 #include "cuda/backend.hpp"
 #include "support/crease_meshes.hpp"
+#include "support/sampled_spheres.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
 
@@ -189,7 +190,7 @@ TEST_F(Parity, WithoutHalfEdges) {
       }
     }
     if (kind == FieldKind::vdw) continue;
-    const SampledField field = make_field_mesher(Backend::cpu)->sample(spheres, options);
+    const SampledField field = sampled_spheres(spheres, options);
     options.device_memory = kNoMemoryLimit;
     expect_mesher_parity(field, options, std::string("triangles alone, sampled ") + name_of(kind));
   }
@@ -263,7 +264,7 @@ TEST_F(Parity, RunsAfterMemoryWasReleased) {
   expect_same(first.mesh, second.mesh, "after memory was released");
 }
 
-// Fields that stand in memory: made from spheres, then meshed.
+// Fields that stand in memory.
 void expect_mesher_parity(const SampledField& field, const ExtractOptions& options,
                           const std::string& what) {
   const ExtractResult cpu = make_field_mesher(Backend::cpu)->mesh(field, options);
@@ -272,28 +273,22 @@ void expect_mesher_parity(const SampledField& field, const ExtractOptions& optio
   expect_same_counts(cpu.stats, cuda.stats, what);
 }
 
-void expect_sampling_parity(const SphereSet& spheres, const ExtractOptions& options,
-                            const std::string& what) {
-  const SampledField cpu = make_field_mesher(Backend::cpu)->sample(spheres, options);
-  const SampledField cuda = make_field_mesher(Backend::cuda)->sample(spheres, options);
-  ASSERT_EQ(cpu.values.size(), cuda.values.size()) << what;
-  EXPECT_EQ(std::memcmp(cpu.values.data(), cuda.values.data(), cpu.values.size() * sizeof(float)),
-            0)
-      << what;
-  expect_mesher_parity(cpu, options, what);
+void expect_sampled_parity(const SphereSet& spheres, const ExtractOptions& options,
+                           const std::string& what) {
+  expect_mesher_parity(sampled_spheres(spheres, options), options, what);
 }
 
 TEST_F(Parity, SampledFields) {
   for (const FieldKind kind :
        {FieldKind::blinn, FieldKind::soft_object, FieldKind::inverse_squared}) {
     const std::string name = std::string("sampled ") + name_of(kind);
-    expect_sampling_parity(crowd(300, 8, 0.3, 2.0, 14), options_of(kind, 0.37), name);
-    expect_sampling_parity(crowd(4000, 14, 0.8, 2.0, 15), options_of(kind, 1.7), name + " coarse");
-    expect_sampling_parity(SphereSet({{{0, 0, 0}, 1.5}}), options_of(kind, 0.5), name + " one");
+    expect_sampled_parity(crowd(300, 8, 0.3, 2.0, 14), options_of(kind, 0.37), name);
+    expect_sampled_parity(crowd(4000, 14, 0.8, 2.0, 15), options_of(kind, 1.7), name + " coarse");
+    expect_sampled_parity(SphereSet({{{0, 0, 0}, 1.5}}), options_of(kind, 0.5), name + " one");
     ExtractOptions thesis = options_of(kind, 0.4);
     thesis.field.preset = FieldPreset::thesis;
     thesis.grid = preset_grid(thesis.field.preset, {}, {});
-    expect_sampling_parity(crowd(100, 6, 1, 2, 16), thesis, name + " thesis");
+    expect_sampled_parity(crowd(100, 6, 1, 2, 16), thesis, name + " thesis");
   }
 }
 

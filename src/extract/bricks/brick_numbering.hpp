@@ -11,6 +11,7 @@
 
 #include <cstdint>
 
+#include "core/first_from.hpp"
 #include "core/host_device.hpp"
 #include "extract/bricks/brick.hpp"
 #include "extract/bricks/brick_geometry.hpp"
@@ -49,16 +50,8 @@ struct BrickList {
 
 // Index of the first brick whose key is at least `key`, or list.size: a binary search.
 VDWMESH_HD inline std::uint64_t lower_bound_of_key(const BrickList& list, std::uint64_t key) {
-  std::uint64_t low = 0, high = list.size;
-  while (low < high) {
-    const std::uint64_t middle = low + (high - low) / 2;
-    if (list.bricks[middle].key < key) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
+  return first_from(std::uint64_t{0}, list.size,
+                    [&](std::uint64_t i) { return list.bricks[i].key < key; });
 }
 
 // A brick and its 26 neighbours. The slot of the neighbour at an offset of -1, 0 or 1 along each

@@ -94,14 +94,14 @@ constexpr Successors surface_segments(int inside) {
 }
 
 // A closed loop of crossed cell edges, the corners of a polygon.
-struct Loop {
+struct CaseLoop {
   std::array<int, kCellEdges> edges{};
   int size = 0;
 };
 
 // Whether a triangle may have a side from loop corner i to loop corner j, i < j. Sides of the loop
 // are always allowed; a diagonal of the loop is allowed if it does not lie in a face of the cell.
-constexpr bool allowed(const Loop& loop, int i, int j) {
+constexpr bool allowed(const CaseLoop& loop, int i, int j) {
   const bool side = j - i == 1 || j - i == loop.size - 1;
   return side || !share_face(loop.edges[static_cast<std::size_t>(i)],
                              loop.edges[static_cast<std::size_t>(j)]);
@@ -118,7 +118,7 @@ struct Triangles {
 // triangulates the two polygons that remain, i .. k and k .. j. Returns false, with `out`
 // unchanged, if every choice needs a diagonal that is not allowed. The loop is clockwise and i < k
 // < j, so the order (i, j, k) makes triangles that wind counter-clockwise seen from outside.
-constexpr bool triangulate(const Loop& loop, int i, int j, Triangles& out) {
+constexpr bool triangulate(const CaseLoop& loop, int i, int j, Triangles& out) {
   if (j - i < 2) return true;
   for (int k = i + 1; k < j; ++k) {
     if (!allowed(loop, i, k) || !allowed(loop, k, j)) continue;
@@ -142,7 +142,7 @@ constexpr Triangles triangles_of(int inside) {
   Successors next = surface_segments(inside);
   Triangles out;
   for (int first = 0; first < kCellEdges; ++first) {
-    Loop loop;
+    CaseLoop loop;
     for (int e = first; next[static_cast<std::size_t>(e)] != kNone;) {
       loop.edges[static_cast<std::size_t>(loop.size++)] = e;
       const int following = next[static_cast<std::size_t>(e)];
