@@ -56,7 +56,7 @@ MemoryDemand memory_of_mesh(const Options& options) {
 
 // The mesh as it was made, and in half-edges if it will be written so. If it is not measured yet,
 // it may also not be built yet.
-struct Made {
+struct MadeMesh {
   IndexedMesh mesh;
   SurfaceMesh built;
   SurfaceMeshBuilder builder{built};
@@ -65,7 +65,7 @@ struct Made {
 
 // Leaves the measuring to the time when the half-edges are built and the file is written if memory
 // holds all of that; else measures now.
-void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, Made& made,
+void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, MadeMesh& made,
                           Session& session) {
   MemoryDemand later = demand;
   later.early = Switch::on;  // the half-edges are built while the mesh is measured
@@ -82,7 +82,7 @@ void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, M
 
 // The mesh, with what there is to say about it in the report. Where it is measured already and will
 // be written from half-edges, these are built, too, and the mesh is given up.
-void make(const Structure& structure, const Options& options, Made& made, Session& session) {
+void make(const Structure& structure, const Options& options, MadeMesh& made, Session& session) {
   const std::uint64_t limit = options.machine.memory_limit;
   MemoryDemand demand = memory_of_mesh(options);
   const auto estimate = check_memory_before(demand, structure.spheres, limit);
@@ -112,7 +112,7 @@ void make(const Structure& structure, const Options& options, Made& made, Sessio
 }
 
 // The same for the excluded surface, beside its exact measures; it is built in any case.
-void make_excluded(const Structure& structure, const Options& options, Made& made,
+void make_excluded(const Structure& structure, const Options& options, MadeMesh& made,
                    Session& session) {
   const double probe = options.inputs.front().probe;
   MemoryDemand demand = memory_of_mesh(options);
@@ -132,7 +132,7 @@ void make_excluded(const Structure& structure, const Options& options, Made& mad
 // Writes the file, from half-edges where it wants these, and measures the mesh meanwhile, as far as
 // that was left to this function. Formats that cannot hold all that the mesh knows are named in a
 // note.
-void write(Made& made, const Options& options, const Structure& structure, Session& session) {
+void write(MadeMesh& made, const Options& options, const Structure& structure, Session& session) {
   const std::string& path = options.mesh_path;
   begin_stage(session.monitor, "write", 1);
   Report& report = session.report;
@@ -185,7 +185,7 @@ void run_mesh(const Options& options) {
   VerbSession session(options.machine);
   const std::future<void> started = start_device(options.machine, options.surface);
   const Structure structure = load(options.inputs.front(), session);
-  Made made;
+  MadeMesh made;
   if (options.surface.kind == ExactSurface::excluded) {
     make_excluded(structure, options, made, session);
   } else {
