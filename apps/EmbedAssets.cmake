@@ -1,5 +1,6 @@
-# vdwmesh_embed_assets(<target> <name>=<file>...): the files' bytes in the program, as asset(name).
-function(vdwmesh_embed_assets target)
+# vdwmesh_embed_assets(<target> <function> <name>=<file>...): the files' bytes in the program, as
+# <function>(name) of the namespace vdwmesh::apps.
+function(vdwmesh_embed_assets target function)
   set(source "${CMAKE_CURRENT_BINARY_DIR}/${target}_assets.cpp")
   set(bytes "")
   set(choices "")
@@ -9,7 +10,7 @@ function(vdwmesh_embed_assets target)
     string(REGEX MATCH "^([^=]+)=(.+)$" matched "${pair}")
     set(name "${CMAKE_MATCH_1}")
     set(file "${CMAKE_MATCH_2}")
-    set(symbol "vdwmesh_asset_${number}")
+    set(symbol "vdwmesh_${function}_${number}")
     math(EXPR number "${number} + 1")
     list(APPEND files "${file}")
     string(APPEND bytes "asm(\".section .rodata\\n\"
@@ -23,11 +24,10 @@ extern \"C\" const char ${symbol}_end[];
     string(APPEND choices
            "  if (name == \"${name}\") return between(${symbol}_begin, ${symbol}_end);\n")
   endforeach()
-  file(CONFIGURE OUTPUT "${source}" CONTENT "#include \"assets.hpp\"
-
-#include <cstddef>
+  file(CONFIGURE OUTPUT "${source}" CONTENT "#include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 @bytes@
 namespace vdwmesh::apps {
@@ -39,7 +39,8 @@ std::string_view between(const char* begin, const char* end) {
 
 }  // namespace
 
-std::string_view asset(std::string_view name) {
+std::string_view @function@(std::string_view name);
+std::string_view @function@(std::string_view name) {
 @choices@  throw std::logic_error(\"no asset \" + std::string(name));
 }
 

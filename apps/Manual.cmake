@@ -1,7 +1,6 @@
 # Man pages and completions of the programs, written at build time from the lists of their verbs and
 # options into `manual_dir`, and installed where man, bash and zsh look.
-add_executable(vdwmesh_manual manual/main.cpp manual/manual.cpp manual/man_pages.cpp
-               manual/bash_completion.cpp manual/zsh_completion.cpp)
+add_executable(vdwmesh_manual manual/manual.cpp)
 target_link_libraries(vdwmesh_manual PRIVATE vdwmesh_apps)
 vdwmesh_target_warnings(vdwmesh_manual)
 

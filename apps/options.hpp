@@ -117,7 +117,7 @@ struct BatchChoice {
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
-  std::string json, csv, per_atom, voids;
+  std::string json, per_atom, voids;
   AtomGroup group = AtomGroup::atom;
 };
 

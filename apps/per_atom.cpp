@@ -31,7 +31,7 @@ Key key_of(const Atom& atom, AtomGroup group) {
 }
 
 // Sums are over the measured atoms.
-struct Row {
+struct AtomRow {
   const Atom* first;  // of its atoms
   AtomGroup group;
   bool one_segment = true;
@@ -42,9 +42,9 @@ struct Row {
 
 // Makes the rows, in the order of their first atoms, and appends to `row_of_atom` the row of each
 // atom.
-std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
-                           std::vector<std::size_t>& row_of_atom) {
-  std::vector<Row> rows;
+std::vector<AtomRow> make_rows(const Molecule& molecule, AtomGroup group,
+                               std::vector<std::size_t>& row_of_atom) {
+  std::vector<AtomRow> rows;
   std::map<Key, std::size_t> known;
   for (const Atom& atom : molecule.atoms) {
     std::size_t row = rows.size();
@@ -57,7 +57,7 @@ std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
 }
 
 // A sum over no atom has no value.
-std::string sum_field(const Row& row, const WideSum& sum) {
+std::string sum_field(const AtomRow& row, const WideSum& sum) {
   return row.measured > 0 ? fmt::format("{}", sum.value()) : "";
 }
 
@@ -74,7 +74,7 @@ const char* polarity_field(Polarity polarity) {
 }
 
 // The parts of the area by polarity, each after a comma.
-std::string polarity_fields(const Row& row, const PerAtomTable& table) {
+std::string polarity_fields(const AtomRow& row, const PerAtomTable& table) {
   if (!table.molecule.has_polarity || row.measured == 0) return ",,,";
   const ResidueAreas areas = row.parts.areas();
   return fmt::format(",{},{},{}", areas.polar, areas.apolar, row.parts.unclassified_area());
@@ -82,7 +82,7 @@ std::string polarity_fields(const Row& row, const PerAtomTable& table) {
 
 // The areas as shares of the reference, each after a comma. There are none unless the row is a
 // residue that has a reference for this probe, and all of its atoms were measured.
-std::string relative_fields(const Row& row, const PerAtomTable& table) {
+std::string relative_fields(const AtomRow& row, const PerAtomTable& table) {
   const bool comparable = table.group == AtomGroup::residue && table.probe == kReferenceProbe &&
                           row.measured == row.atoms;
   const auto reference = comparable
@@ -96,7 +96,7 @@ std::string relative_fields(const Row& row, const PerAtomTable& table) {
 }
 
 // Appends what and where the atoms of a row are. Fields in which they differ are empty.
-void print_place(std::string& csv, const Row& row, double probe) {
+void print_place(std::string& csv, const AtomRow& row, double probe) {
   const Atom& atom = *row.first;
   const bool of_chain = row.group == AtomGroup::chain;
   csv += fmt::format("{},{},{},{},", atom.model, csv_field(atom.chain),
@@ -111,11 +111,11 @@ void print_place(std::string& csv, const Row& row, double probe) {
 }
 
 // The segment behind a comma; empty where a chain has several.
-std::string segment_field(const Row& row) {
+std::string segment_field(const AtomRow& row) {
   return fmt::format(",{}", row.one_segment ? csv_field(row.first->segment) : std::string());
 }
 
-void print(std::string& csv, const Row& row, const PerAtomTable& table) {
+void print(std::string& csv, const AtomRow& row, const PerAtomTable& table) {
   print_place(csv, row, table.probe);
   csv += fmt::format(",{},{},{},{},{}", sum_field(row, row.exact_area),
                      table.mesh_area.empty() ? "" : sum_field(row, row.mesh_area),
@@ -129,9 +129,9 @@ void print(std::string& csv, const Row& row, const PerAtomTable& table) {
 std::string per_atom_csv(const PerAtomTable& table) {
   const std::vector<Atom>& atoms = table.molecule.atoms;
   std::vector<std::size_t> row_of_atom;
-  std::vector<Row> rows = make_rows(table.molecule, table.group, row_of_atom);
+  std::vector<AtomRow> rows = make_rows(table.molecule, table.group, row_of_atom);
   for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
-    Row& row = rows[row_of_atom[i]];
+    AtomRow& row = rows[row_of_atom[i]];
     ++row.atoms;
     if (!atoms[i].measured) continue;
     ++row.measured;
@@ -142,14 +142,14 @@ std::string per_atom_csv(const PerAtomTable& table) {
     if (!table.mesh_area.empty()) row.mesh_area.add(table.mesh_area[i]);
   }
   std::string csv = kHeader;
-  for (const Row& row : rows) print(csv, row, table);
+  for (const AtomRow& row : rows) print(csv, row, table);
   return csv;
 }
 
 std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
                                AtomGroup group) {
   std::vector<std::size_t> row_of_atom;
-  std::vector<Row> rows = make_rows(molecule, group, row_of_atom);
+  std::vector<AtomRow> rows = make_rows(molecule, group, row_of_atom);
   std::vector<std::array<WideSum, 4>> sums(rows.size());  // contact, saddle, concave, volume
   for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
     ++rows[row_of_atom[i]].atoms;

@@ -37,7 +37,7 @@ namespace {
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 
 // What a file of rows holds already.
-struct Kept {
+struct KeptRows {
   std::uint64_t rows = 0, refused = 0;
 };
 
@@ -150,10 +150,10 @@ void require_row(const std::string& line, const std::string& path, std::uint64_t
 
 // Goes through the lines of the file and the structures of the source side by side. Throws where a
 // line is not the row of its structure, before anything is changed; a torn one is dropped then.
-Kept keep_rows(const std::string& path, const std::string& header, const RowWriter& writer,
-               std::uint64_t most, Source& source, RowFile& file) {
+KeptRows keep_rows(const std::string& path, const std::string& header, const RowWriter& writer,
+                   std::uint64_t most, Source& source, RowFile& file) {
   std::ifstream lines(path, std::ios::binary);
-  Kept kept;
+  KeptRows kept;
   std::uint64_t length = 0;
   for (std::string line; std::getline(lines, line);) {
     const bool torn = lines.eof();
@@ -237,7 +237,7 @@ void run_batch_verb(const Options& options) {
   const RowWriter writer(choice, settings_key(options));
   const std::string header = choice.shard.number == 1 ? writer.header() : "";
   RowFile file(choice.output);
-  Kept kept;
+  KeptRows kept;
   file.write_before(header);
   if (file.is_regular()) {
     if (choice.resume == Switch::off) file.cut(0);

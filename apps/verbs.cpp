@@ -20,11 +20,6 @@ const Verb kVerbs[] = {
     {kBatch, "batch",
      "figures of many structures, exact or of meshes too, a row of JSON or CSV for each",
      run_batch_verb},
-    {kThesisBench, "bench thesis", "Tables 4.1 to 4.5 of the thesis, rerun on its grids",
-     run_thesis_bench},
-    {kPipelineBench, "bench pipeline",
-     "what each stage costs from structure file to mesh file: seconds, bytes, memory, floor",
-     run_pipeline_bench},
     {kInfo, "info", "version, build, backends, devices", run_info}};
 
 }  // namespace

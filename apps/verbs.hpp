@@ -13,14 +13,13 @@ struct Options;
 // Sets of verbs, as sums: which ones take an option.
 using VerbSet = unsigned;
 inline constexpr VerbSet kMesh = 1, kReport = 2, kExact = 4, kCompare = 8, kRender = 16,
-                         kStudy = 32, kThesisBench = 64, kPipelineBench = 128, kInfo = 256,
-                         kBatch = 512;
+                         kStudy = 32, kInfo = 64, kBatch = 128;
 // Of vdwmesh-mpi, which has fewer options for the same.
-inline constexpr VerbSet kRanksMesh = 1024, kRanksExact = 2048;
+inline constexpr VerbSet kRanksMesh = 256, kRanksExact = 512;
 
 struct Verb {
   VerbSet bit;
-  std::string_view name;  // "mesh"; of two words where a verb of verbs has them, "bench thesis"
+  std::string_view name;  // "mesh"
   std::string_view summary;
   // Works with options that are checked. Throws the exceptions of core/errors.hpp.
   std::function<void(const Options& options)> run;
@@ -43,8 +42,6 @@ void run_exact(const Options& options);
 void run_compare(const Options& options);
 void run_render(const Options& options);
 void run_study(const Options& options);
-void run_thesis_bench(const Options& options);
-void run_pipeline_bench(const Options& options);
 void run_batch_verb(const Options& options);
 void run_info(const Options& options);
 

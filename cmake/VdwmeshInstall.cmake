@@ -1,8 +1,8 @@
 # Headers, libraries and the package that find_package(vdwmesh) finds. Only the headers listed here
 # are for users. They include none of the others: tests/sources checks that, and tests/consumer
 # compiles every one of them alone from an installed copy.
-set(vdwmesh_rooms core spheres surface structure extract refine arrangement excluded batch mesh analysis render thesis
-    cuda cuda_gl)
+set(vdwmesh_rooms core spheres surface structure extract refine arrangement excluded batch mesh analysis render cuda
+    cuda_gl)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas short_text)
 set(spheres_headers cell_list_frame sphere_batch sphere_set)

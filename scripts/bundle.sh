@@ -17,7 +17,7 @@ programs=() missing=()
 for name in apps/vdwmesh tests/cuda/cuda_{parity,device_test,gl_test} \
             tests/contract/{exact_mesher_contract,extractor_contract,refiner_contract,properties,union_measurer_contract,excluded_measurer_contract,distance_measurer_contract}_test \
             bench/cuda_bench bench/measurer_bench bench/patches_bench bench/exact_mesh_bench bench/distances_bench \
-            bench/excluded_bench bench/extract_survey; do
+            bench/excluded_bench bench/extract_survey bench/vdwmesh-bench; do
   if [ -x "$build/$name" ]; then
     programs+=("$build/$name")
   elif [ -d "$build/tests/cuda/CMakeFiles/$(basename "$name").dir" ] || [[ $name != *gl_test ]]; then
@@ -53,7 +53,7 @@ if [ -d "$shared/reference" ]; then
      "$target/data/reference/"
 fi
 # The structures of the thesis's tables, which tests read too, and
-# `bin/vdwmesh bench thesis --structures data/molecules/thesis`.
+# `bin/vdwmesh-bench thesis --structures data/molecules/thesis`.
 if [ -d "$shared/molecules/thesis" ]; then
   mkdir -p "$target/data/molecules/thesis"
   cp "$shared"/molecules/thesis/*.pdb "$shared"/molecules/thesis/*.cif "$target/data/molecules/thesis/"

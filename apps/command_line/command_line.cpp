@@ -25,42 +25,27 @@ namespace {
 using Words = std::vector<std::string>;
 using WordViews = std::vector<std::string_view>;
 
-constexpr std::string_view kBench = "bench";  // a verb of verbs
-
 bool asks_for_help(const Words& words) {
   const auto is_help = [](const std::string& word) { return word == "--help" || word == "-h"; };
   return std::ranges::any_of(words, is_help);
 }
 
-// The first word of every verb, and the second ones of `bench`.
-WordViews words_of_verbs(const Program& program, std::string_view before) {
-  WordViews words;
-  for (const Verb& verb : program.verbs) {
-    if (!verb.name.starts_with(before)) continue;
-    const std::string_view rest = verb.name.substr(before.size());
-    const std::string_view word = rest.substr(0, rest.find(' '));
-    if (words.empty() || words.back() != word) words.push_back(word);
-  }
-  return words;
-}
-
-// The verb that the first words name; they are taken off.
+// The verb that the first word names; it is taken off.
 const Verb& take_verb(const Program& program, Words& words) {
-  const std::string before = !words.empty() && words[0] == kBench ? "bench " : "";
-  if (!before.empty()) words.erase(words.begin());
   const std::string given = words.empty() ? "" : words[0];
-  const auto verb = std::ranges::find(program.verbs, before + given, &Verb::name);
+  const auto verb = std::ranges::find(program.verbs, given, &Verb::name);
+  refuse_if(given == "bench", "bench: is a program of its own, vdwmesh-bench (bench/README.md)");
   if (verb == program.verbs.end()) {
-    const WordViews known = words_of_verbs(program, before);
+    WordViews known;
+    for (const Verb& one : program.verbs) known.push_back(one.name);
     const std::string what =
         given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);
     // A file alone is what people type who do not know verbs yet.
     const std::string example = has_structure_extension(given)
                                     ? fmt::format(", for example {} exact {}", program.name, given)
                                     : "";
-    throw InvalidInput(fmt::format("{}{}; the verbs are {}{}; {} {}--help says what each does",
-                                   before, what, fmt::join(known, " "), example, program.name,
-                                   before));
+    throw InvalidInput(fmt::format("{}; the verbs are {}{}; {} --help says what each does", what,
+                                   fmt::join(known, " "), example, program.name));
   }
   words.erase(words.begin());
   return *verb;
@@ -68,14 +53,11 @@ const Verb& take_verb(const Program& program, Words& words) {
 
 // Help and version without a verb. Whether that was asked for.
 bool answer_without_verb(const Program& program, const Words& words) {
-  const bool of_bench = words.size() == 2 && words[0] == kBench;
   if (!words.empty() && words[0] == "--version") {
     write_standard_output(
         fmt::format("{} {} ({})\nbuild {}\n", program.name, kVersion, kRevision, kBuild));
-  } else if (of_bench && asks_for_help(words)) {
-    write_standard_output(verbs_help(program, "bench "));
   } else if (!words.empty() && asks_for_help({words[0]})) {
-    write_standard_output(verbs_help(program, ""));
+    write_standard_output(verbs_help(program));
   } else {
     return false;
   }

@@ -8,7 +8,6 @@
 #include "options.hpp"
 #include "picture_options.hpp"
 #include "study/study_options.hpp"
-#include "thesis/thesis_bench.hpp"
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
@@ -27,9 +26,6 @@ struct Options {
   OutputOptions output;
   StudyOptions study;
   BatchChoice batch;
-  ThesisBenchOptions thesis;
-  std::vector<double> spacings;  // Å, of `vdwmesh bench pipeline`, longest first
-  int repeats = 3;               // of benchmarks: at most; the least time counts
 };
 
 struct Command {

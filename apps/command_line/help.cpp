@@ -69,16 +69,15 @@ std::string synopsis(const Program& program, const Verb& verb,
   return text;
 }
 
-std::string verbs_help(const Program& program, std::string_view prefix) {
-  std::string text = fmt::format(
-      "{}\n\nUsage: {} {}VERB [OPTION...]\n       {} VERB --help | --version\n\nVerbs:\n",
-      program.summary, program.usage_name, prefix, program.name);
+std::string verbs_help(const Program& program) {
+  std::string text =
+      fmt::format("{}\n\nUsage: {} VERB [OPTION...]\n       {} VERB --help | --version\n\nVerbs:\n",
+                  program.summary, program.usage_name, program.name);
   for (const Verb& verb : program.verbs) {
-    if (!verb.name.starts_with(prefix)) continue;
     text += entry(fmt::format("  {}", verb.name), std::string(verb.summary));
   }
   const auto is_report = [](const Verb& verb) { return verb.name == "report"; };
-  if (prefix.empty() && std::ranges::any_of(program.verbs, is_report))
+  if (std::ranges::any_of(program.verbs, is_report))
     text += fmt::format("\nTo begin, without a file: {} report --sample ubiquitin\n", program.name);
   return text;
 }

@@ -16,8 +16,8 @@ std::string synopsis(const Program& program, const Verb& verb,
 // What an option is for, which names its value may have, and in brackets what holds without it.
 std::string meaning(const Option& option);
 
-// The verbs of the program whose names begin with `prefix`: "" or "bench ".
-std::string verbs_help(const Program& program, std::string_view prefix);
+// The verbs of the program.
+std::string verbs_help(const Program& program);
 
 // The options of a verb by group: names, what stands for the value, meaning, what holds without.
 std::string verb_help(const Program& program, const Verb& verb,

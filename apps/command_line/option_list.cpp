@@ -20,8 +20,6 @@ constexpr VerbSet kSurfaces = kOneSurface | kBatch;  // with --verb report
 constexpr VerbSet kGrids = kSurfaces | kRanksMesh;   // marching cubes
 constexpr VerbSet kDistances = kReport | kCompare | kStudy | kBatch;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
-constexpr VerbSet kBenches = kThesisBench | kPipelineBench;
-constexpr VerbSet kWorking = kStructures | kThesisBench;
 constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kStudy;
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare;
 
@@ -145,7 +143,7 @@ std::vector<Option> input_options(Draft& d) {
        "keep HETATM records; only the thesis presets drop them otherwise"}};
 }
 
-// What is meshed, and how. The benchmark of the pipeline takes several spacings at once.
+// What is meshed, and how.
 std::vector<Option> surface_options(Draft& d) {
   SurfaceOptions& s = d.options.surface;
   const auto length = [](const char* example) { return number("Å", Range::positive, example); };
@@ -191,16 +189,14 @@ std::vector<Option> surface_options(Draft& d) {
        "of the blended fields", otherwise("1")},
       {"--blobbiness", kGrids, one(s.field.blobbiness, number("B", Range::positive, "2")),
        "of --field blinn", otherwise("2")},
-      {"--subdivide", kMesh | kPipelineBench | kRanksMesh, one(s.subdivisions, levels), subdivide,
-       by_default("0")},
+      {"--subdivide", kMesh | kRanksMesh, one(s.subdivisions, levels), subdivide, by_default("0")},
       {"--subdivide", kReport | kRender | kBatch, one(s.subdivisions, levels), subdivide,
        otherwise("0; 1 with marching cubes")},
       {"--project", kGrids, one(d.projection, named<Projection>()), project,
        otherwise("as --field")},
-      {"--crossings", kGrids | kPipelineBench, one(s.crossings, named<Crossings>()),
-       "moves of vertices after which triangles cross are taken back, or stay", by_default("undo")},
-      {"--spacing", kPipelineBench, several(d.options.spacings, length("0.5")), "grid spacings",
-       by_default("0.5,0.25")}};
+      {"--crossings", kGrids, one(s.crossings, named<Crossings>()),
+       "moves of vertices after which triangles cross are taken back, or stay",
+       by_default("undo")}};
 }
 
 // The axes of a study: the options of a single mesh, each with several values.
@@ -245,8 +241,6 @@ std::vector<Option> measure_options(Draft& d) {
        "intervals that are proven to contain the exact area and volume"},
       {"--distances", kDistances, one(c.distances, named<Switch>()),
        "between mesh and exact surface", by_default("on")},
-      {"--distances", kPipelineBench, one(c.distances, named<Switch>()),
-       "to the exact surface as well", by_default("off")},
       {"--samples", kDistances, one(c.samples_per_area, density()), "of --distances, per Å²",
        by_default("10")},
       {"--seed", kDistances, one(c.seed, whole<std::uint64_t>(0, 4'294'967'295)), "of the samples",
@@ -259,36 +253,22 @@ std::vector<Option> measure_options(Draft& d) {
        by_default("auto")}};
 }
 
-// Benchmarks repeat what they time, because whatever disturbs a run makes it longer.
-std::vector<Option> bench_options(Options& o) {
-  return {{"--structures", kThesisBench, one(o.thesis.structures, text("FOLDER")),
-           "the thesis's structure files",
-           required("name the folder of the structure files (110D.pdb, ...)")},
-          {"--table", kThesisBench,
-           several(o.thesis.tables, text("TABLE", {"4.1", "4.2", "4.3", "4.4", "4.5"})),
-           "of 4.1 4.2 4.3 4.4 4.5", otherwise("all")},
-          {"--entry", kThesisBench, several(o.thesis.entries, text("ID")),
-           "PDB ids of the thesis's tables", otherwise("all")},
-          {"--repeat", kBenches, one(o.repeats, whole<int>(1, 1000)),
-           "runs of which the fastest counts; long ones run once", by_default("3")}};
-}
-
 // What a run may use of the machine, and what it says meanwhile.
 std::vector<Option> machine_options(Draft& d) {
   MachineOptions& m = d.options.machine;
-  const VerbSet choosing = kOneSurface | kPipelineBench;
   return {
-      {"--backend", choosing | kExact | kCompare | kRanksMesh, one(m.backend, named<Backend>()),
+      {"--backend", kOneSurface | kExact | kCompare | kRanksMesh, one(m.backend, named<Backend>()),
        "who makes the mesh, and measures by arcs and distances", by_default("auto")},
-      {"--devices", choosing, one(m.devices, whole<int>(1, 64)),
+      {"--devices", kOneSurface, one(m.devices, whole<int>(1, 64)),
        "CUDA devices that share an extraction", by_default("1")},
-      {"--threads", kWorking, one(m.threads, whole<int>(1, 4096)), "CPU threads", otherwise("all")},
-      {"--memory-limit", kWorking,
+      {"--threads", kStructures, one(m.threads, whole<int>(1, 4096)), "CPU threads",
+       otherwise("all")},
+      {"--memory-limit", kStructures,
        one(d.memory_limit, Kind<std::uint64_t>{"BYTES", "", parse_bytes}),
        "for example 8G; a run that needs more is refused", otherwise("80 % of what is free")},
-      {"--quiet", kWorking, flag(m.verbosity, Verbosity::quiet),
+      {"--quiet", kStructures, flag(m.verbosity, Verbosity::quiet),
        "no text on standard output, no progress", no_default(), "--progress"},
-      {"--progress", kWorking, flag(m.progress, Progress::always),
+      {"--progress", kStructures, flag(m.progress, Progress::always),
        "progress bars even where standard error is no terminal"}};
 }
 
@@ -364,10 +344,8 @@ std::vector<Option> output_options(Draft& d) {
       {"--page-triangles", kStudy,
        one(o.study.page_triangles, whole<std::uint64_t>(0, 100'000'000)),
        "most triangles of all meshes shown on the page", by_default("1000000")},
-      {"--json", kReports | kBenches | kInfo | kRanks,
-       one(o.output.json, text("FILE"), Use::writes), "the report as JSON; - is standard output"},
-      {"--csv", kBenches, one(o.output.csv, text("FILE"), Use::writes),
-       "the table as CSV; - is standard output"},
+      {"--json", kReports | kInfo | kRanks, one(o.output.json, text("FILE"), Use::writes),
+       "the report as JSON; - is standard output"},
       {"--per-atom", kReport, one(o.output.per_atom, text("FILE"), Use::writes),
        "CSV of radius, exact area, mesh area, exact volume; - is standard output"},
       {"--per-atom", kExact | kRanksExact, one(o.output.per_atom, text("FILE"), Use::writes),
@@ -386,7 +364,6 @@ std::vector<OptionGroup> all_options(Draft& d) {
           {kSurfaceGroup, surface_options(d)},
           {"Sweep", axis_options(d.options.study.axes)},
           {"Measures", measure_options(d)},
-          {"Benchmark", bench_options(d.options)},
           {kPictureGroup, picture_options(d)},
           {"Output", output_options(d)},
           {"Machine", machine_options(d)}};

@@ -76,7 +76,7 @@ std::vector<OptionGroup> all_options(Draft& draft);
 std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft);
 
 // The verbs that take more than one INPUT.
-inline constexpr VerbSet kSeveralInputs = kStudy | kPipelineBench;
+inline constexpr VerbSet kSeveralInputs = kStudy;
 // Groups whose options mean nothing in places.
 inline constexpr const char *kInputGroup = "Input", *kSurfaceGroup = "Surface",
                             *kPictureGroup = "Picture";

@@ -118,7 +118,7 @@ void settle_crossings(Draft& d) {
             "--subdivide {}: ranks do not look for triangles that cross; add --crossings allow, or "
             "--project none",
             s.subdivisions);
-  if (d.verb == kPipelineBench || !is_given(d, "--crossings") || s.looks_for_crossings()) return;
+  if (!is_given(d, "--crossings") || s.looks_for_crossings()) return;
   s.notes.push_back(fmt::format(
       "--crossings {} has no effect {}: crossings are looked for where a projection moves vertices",
       name_of(s.crossings),
@@ -404,19 +404,6 @@ void settle_study(Draft& d) {
   study.machine = d.options.machine;
 }
 
-// Tables are named as in the thesis; without any, all are run.
-void settle_bench(Options& o) {
-  std::ranges::sort(o.spacings, std::greater());
-  std::vector<std::string>& tables = o.thesis.tables;
-  for (const std::string& table : tables) {
-    if (std::ranges::count(kThesisTables, table) == 0) {
-      throw_unknown_name("--table", table, kThesisTables);
-    }
-  }
-  if (tables.empty()) tables.assign(kThesisTables.begin(), kThesisTables.end());
-  o.thesis.repeats = o.repeats;
-}
-
 }  // namespace
 
 // The surface comes first, because the preset decides which atoms are taken.
@@ -433,7 +420,6 @@ void settle(Draft& d) {
   settle_study(d);
   if (d.verb == kBatch) settle_batch_verb(d);
   if (d.verb == kBatch) settle_batch(d);
-  settle_bench(d.options);
 }
 
 }  // namespace vdwmesh::apps

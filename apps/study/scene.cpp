@@ -114,7 +114,7 @@ IndexedMesh mesh_anew(const StudyInput& input, const SurfaceOptions& surface, Se
   return make_study_mesh(input, surface, session);
 }
 
-Scene make_scene(const Study& study, std::size_t input, const StudySetting& setting) {
+StudyScene make_scene(const Study& study, std::size_t input, const StudySetting& setting) {
   const StudyInput& of = study.findings[input].input;
   Session session{study.options.machine, nullptr, {}, {}};
   session.machine.backend = value_named<Backend>("backend", setting.key.backend);
@@ -124,7 +124,7 @@ Scene make_scene(const Study& study, std::size_t input, const StudySetting& sett
   // Vertices lie on the surface; what is wrong is what the triangles between them cut off.
   const std::vector<float> distances = measure_centers(mesh, of.atoms, session);
   const double range = distance_range(distances);
-  Scene scene{input, setting, {}, {}};
+  StudyScene scene{input, setting, {}, {}};
   append_positions(mesh, box, scene.bytes);
   append_triangles(mesh, scene.bytes);
   const std::vector<std::string> elements =
@@ -166,13 +166,13 @@ std::map<Way, const StudyRun*> choose_runs(const StudyFindings& findings) {
 }  // namespace
 
 // First ways first, over all inputs, so that each molecule is shown before any is shown twice.
-std::vector<Scene> make_scenes(const Study& study, std::vector<std::string>& warnings) {
+std::vector<StudyScene> make_scenes(const Study& study, std::vector<std::string>& warnings) {
   std::vector<std::pair<Way, std::pair<std::size_t, const StudyRun*>>> wanted;
   for (std::size_t i = 0; i < study.findings.size(); ++i) {
     for (const auto& [way, run] : choose_runs(study.findings[i])) wanted.push_back({way, {i, run}});
   }
   std::ranges::stable_sort(wanted, {}, [](const auto& entry) { return entry.first; });
-  std::vector<Scene> scenes;
+  std::vector<StudyScene> scenes;
   std::uint64_t triangles = 0;
   for (const auto& [way, place] : wanted) {
     const auto& [input, run] = place;
@@ -185,7 +185,7 @@ std::vector<Scene> make_scenes(const Study& study, std::vector<std::string>& war
                                      study.findings[input].input.name, error.what()));
     }
   }
-  std::ranges::stable_sort(scenes, {}, &Scene::input);
+  std::ranges::stable_sort(scenes, {}, &StudyScene::input);
   return scenes;
 }
 

@@ -9,7 +9,7 @@
 namespace vdwmesh::apps {
 
 // One mesh, quantised: positions to 16 bits of its box, distances and angles to 8 bits.
-struct Scene {
+struct StudyScene {
   std::size_t input;
   StudySetting setting;
   std::string description;  // JSON: counts, box, ranges, colours, to read the bytes with
@@ -21,6 +21,6 @@ struct Scene {
 //
 // A mesh that is now beyond a limit, though it was not when its run was made, is left out, and
 // `warnings` say so.
-std::vector<Scene> make_scenes(const Study& study, std::vector<std::string>& warnings);
+std::vector<StudyScene> make_scenes(const Study& study, std::vector<std::string>& warnings);
 
 }  // namespace vdwmesh::apps

@@ -81,7 +81,7 @@ std::string data_blocks(const Study& study, std::vector<std::string>& warnings) 
   std::string blocks = data_block("study", study_json(study, JsonText::Layout::compact));
   std::string descriptions;
   std::size_t number = 0;
-  for (const Scene& scene : make_scenes(study, warnings)) {
+  for (const StudyScene& scene : make_scenes(study, warnings)) {
     blocks += data_block(fmt::format("scene-{}", number++), scene.bytes);
     descriptions += (descriptions.empty() ? "" : ",") + scene.description;
   }

@@ -23,12 +23,12 @@ namespace vdwmesh {
 namespace {
 
 // Of one worker.
-struct Space {
+struct WorkerSpace {
   Workspace workspace;
   ExactUnion measured;
 };
 
-void measure(const NamedStructure& structure, const BatchOptions& options, Space& space,
+void measure(const NamedStructure& structure, const BatchOptions& options, WorkerSpace& space,
              BatchRow& row) {
   const Molecule molecule = read_named_structure(structure, options.read);
   describe_input(molecule, row);
@@ -45,7 +45,7 @@ void measure(const NamedStructure& structure, const BatchOptions& options, Space
 }
 
 // An error leaves no measures behind.
-BatchRow row_of(const NamedStructure& structure, const BatchOptions& options, Space& space) {
+BatchRow row_of(const NamedStructure& structure, const BatchOptions& options, WorkerSpace& space) {
   BatchRow row;
   row.name = structure.name;
   row.content = content_of(structure);
@@ -136,14 +136,14 @@ BatchPart part_of(std::uint64_t part, std::uint64_t parts, std::uint64_t structu
 }
 
 BatchRow measure_structure(const NamedStructure& structure, const BatchOptions& options) {
-  Space space;
+  WorkerSpace space;
   return row_of(structure, options, space);
 }
 
 std::uint64_t run_batch(StructureSource& source, std::uint64_t most, const BatchOptions& options,
                         const std::function<void(const BatchRow&)>& on_row) {
   const std::size_t workers = workers_for(options);
-  std::vector<Space> spaces(workers);
+  std::vector<WorkerSpace> spaces(workers);
   const RowWork<BatchRow> work{[&](const NamedStructure& structure, std::size_t worker) {
                                  return row_of(structure, options, spaces[worker]);
                                },

@@ -70,15 +70,27 @@ def parse_json(text):
     return json.loads(text, parse_constant=refuse_constant)
 
 
+def closed(schema):
+    """The schema without keys that it does not name: readers must expect new ones, and tests must find them."""
+    if isinstance(schema, list):
+        return [closed(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    parts = {key: closed(part) for key, part in schema.items()}
+    if "required" in schema and isinstance(schema.get("properties"), dict):
+        parts.setdefault("additionalProperties", False)
+    return parts
+
+
 @functools.cache
 def schema_validator(name="report"):
-    """Checks documents against docs/NAME.schema.json, which may refer to its neighbours."""
+    """Checks documents against docs/NAME.schema.json, closed, which may refer to its neighbours."""
     jsonschema = need_package("python3-jsonschema", module="jsonschema")
     path = SOURCE_DIR / "docs" / f"{name}.schema.json"
     schema = json.loads(path.read_text())
     jsonschema.Draft202012Validator.check_schema(schema)
     resolver = jsonschema.RefResolver(path.as_uri(), schema)
-    return jsonschema.Draft202012Validator(schema, resolver=resolver)
+    return jsonschema.Draft202012Validator(closed(schema), resolver=resolver)
 
 
 # Goes with the process, and so do the folders in it.

@@ -1,12 +1,14 @@
-"""The tables of `bench`: the thesis's rerun, and the pipeline stage by stage."""
+"""The tables of vdwmesh-bench: the thesis's rerun, and the pipeline stage by stage."""
 
 import csv
 import io
 import math
+import os
 import subprocess
 import sys
 
-from program import BAD_INPUT, PROGRAM, SHARED_DIR, SOURCE_DIR, ProgramTest, need_package, need_shared, parse_json
+from program import (BAD_INPUT, DONE, PROGRAM, SHARED_DIR, SOURCE_DIR, UBIQUITIN, ProgramTest, need_package, need_shared,
+                     parse_json)  # fmt: skip
 
 STRUCTURES = SHARED_DIR / "molecules" / "thesis"
 STAND_INS = {"1QL1": "1QL2_chainA", "2INS": "4INS", "1BIJ": "4HHB", "1GT0": "1F4K", "200D": "133D"}
@@ -30,20 +32,45 @@ def printed_tables():
     return cells
 
 
-class Options(ProgramTest):
+class BenchTest(ProgramTest):
+    def run_bench(self, *arguments, status=DONE):
+        command = [os.environ["VDWMESH_BENCH_PROGRAM"], *map(str, arguments)]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+        self.assertEqual(result.returncode, status, result.stderr)
+        return result
+
+    def assert_bench_refused(self, *arguments, says=()):
+        result = self.run_bench(*arguments, status=BAD_INPUT)
+        self.assertEqual(result.stdout, "")
+        for word in says:
+            self.assertIn(word, result.stderr)
+
+
+class Options(BenchTest):
     def test_bad_options(self):
-        self.assert_refused(BAD_INPUT, "bench", says=("pipeline", "thesis"))
-        self.assert_refused(BAD_INPUT, "bench", "speed", says=("speed", "bench --help"))
-        self.assert_refused(BAD_INPUT, "bench", "thesis", says=("--structures",))
-        self.assert_refused(
-            BAD_INPUT, "bench", "thesis", "--structures", self.folder / "no", says=("no",)
-        )
-        self.assert_refused(
-            BAD_INPUT, "bench", "thesis", "--structures", self.folder, "--table", "4.6",
-            says=("4.6", "4.5"))  # fmt: skip
+        self.assert_bench_refused()
+        self.assert_bench_refused("speed")
+        self.assert_bench_refused("thesis", says=("--structures",))
+        self.assert_bench_refused("thesis", "--structures", self.folder / "no", says=("no",))
+        self.assert_bench_refused("thesis", "--structures", self.folder, "--table", "4.6", says=("4.6", "4.5"))
+        self.assert_bench_refused("pipeline", says=("INPUT",))
+        for option, value in (("--spacing", "0"), ("--repeat", "0"), ("--distances", "maybe")):
+            self.assert_bench_refused("pipeline", "--sample", "bpti", option, value, says=(option,))
+
+    def test_the_old_verb_names_the_program(self):
+        self.assert_refused(BAD_INPUT, "bench", "thesis", says=("vdwmesh-bench",))
+
+    def test_several_structures(self):
+        both = ("pipeline", "--spacing", "2", "--repeat", "1", "--csv", "-")
+        rows = self.run_bench(*both, "--sample", "bpti,ubiquitin", UBIQUITIN).stdout.splitlines()
+        self.assertEqual({row.split(",")[0] for row in rows[1:]}, {"bpti", "ubiquitin", "ubiquitin.pdb"})
+
+    def test_warnings_stand_on_standard_error(self):
+        result = self.run_bench("pipeline", self.cut_file(), "--spacing", "1", "--repeat", "1")
+        self.assertEqual(result.stderr.count("may have been cut off"), 1, result.stderr)
 
     def test_without_files_everything_is_missing(self):
-        output = self.run_ok("bench", "thesis", "--structures", self.folder, "--json", "-").stdout
+        output = self.run_bench("thesis", "--structures", self.folder, "--json", "-").stdout
         rows = parse_json(output)["rows"]
         self.assertEqual(len(rows), len(printed_tables()))
         for row in rows:
@@ -51,11 +78,11 @@ class Options(ProgramTest):
             self.assertIsNone(row["structure"])
             self.assertIsNone(row["triangles"])
             self.assertEqual(set(row["seconds"].values()), {None})
-        text = self.run_ok("bench", "thesis", "--structures", self.folder).stdout
+        text = self.run_bench("thesis", "--structures", self.folder).stdout
         self.assertRegex(text, r"Missing, no structure file: 110D, 1BIJ, .*, 4PTI\.")
 
 
-class Tables(ProgramTest):
+class Tables(BenchTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -63,8 +90,8 @@ class Tables(ProgramTest):
         cls.printed = printed_tables()
 
     def bench(self, *arguments):
-        command = ("bench", "thesis", "--structures", STRUCTURES, "--repeat", "1", *arguments)
-        return parse_json(self.run_ok(*command, "--json", "-").stdout)
+        command = ("thesis", "--structures", STRUCTURES, "--repeat", "1", *arguments)
+        return parse_json(self.run_bench(*command, "--json", "-").stdout)
 
     def test_tables_on_the_same_grids(self):
         rows = self.bench("--entry", "110D,4PTI,2INS,2QZF", "--table", "4.2,4.4")["rows"]
@@ -130,14 +157,14 @@ class Tables(ProgramTest):
             self.assertIn("CUDA", bench["no_device"])
 
     def test_text_and_csv(self):
-        arguments = ("bench", "thesis", "--structures", STRUCTURES, "--repeat", "1", "--entry",
+        arguments = ("thesis", "--structures", STRUCTURES, "--repeat", "1", "--entry",
                      "110D,200D,2OT5", "--table", "4.2")  # fmt: skip
-        text = self.run_ok(*arguments).stdout
+        text = self.run_bench(*arguments).stdout
         self.assertRegex(text, r"110D +blinn +\| +346580 +346580 +\| +14632 +\d+ +\d\.\d{3} +\| +0.54")
         self.assertRegex(text, r"\n133D for 200D +soft")
         self.assertNotRegex(text, r"\n200D ")
         self.assertIn("Missing, no structure file: 2OT5.", text)
-        rows = list(csv.DictReader(io.StringIO(self.run_ok(*arguments, "--csv", "-").stdout)))
+        rows = list(csv.DictReader(io.StringIO(self.run_bench(*arguments, "--csv", "-").stdout)))
         self.assertEqual(len(rows), 9)
         self.assertEqual(rows[0]["thesis_seconds"], "0.54")
         self.assertEqual(rows[0]["voxels"], "346580")
@@ -145,22 +172,13 @@ class Tables(ProgramTest):
         self.assertEqual(rows[-1]["triangles"], "")
 
 
-class Pipeline(ProgramTest):
+class Pipeline(BenchTest):
     STAGES = ["read", "spheres", "mesh", "measure", "build", "write PLY"]
     MACHINE = ("--backend", "cpu", "--threads", "1")
 
     def bench(self, *arguments):
-        command = ("bench", "pipeline", "--sample", "ubiquitin", "--repeat", "1", *self.MACHINE)
-        return parse_json(self.run_ok(*command, *arguments, "--json", "-").stdout)
-
-    def test_bad_options(self):
-        for says, arguments in (
-            (("INPUT",), ()),
-            (("--spacing",), ("--sample", "bpti", "--spacing", "0")),
-            (("--repeat",), ("--sample", "bpti", "--repeat", "0")),
-            (("--distances", "on", "off"), ("--sample", "bpti", "--distances", "maybe")),
-        ):
-            self.assert_refused(BAD_INPUT, "bench", "pipeline", *arguments, says=says)
+        command = ("pipeline", "--sample", "ubiquitin", "--repeat", "1", *self.MACHINE)
+        return parse_json(self.run_bench(*command, *arguments, "--json", "-").stdout)
 
     def test_stages(self):
         bench = self.bench("--spacing", "1,0.5", "--distances", "on")
@@ -209,13 +227,13 @@ class Pipeline(ProgramTest):
                          stages["resize of OpenMesh"]["bytes_written"])  # fmt: skip
 
     def test_text_and_csv(self):
-        command = ("bench", "pipeline", "--sample", "ubiquitin", "--spacing", "1", "--repeat", "1",
+        command = ("pipeline", "--sample", "ubiquitin", "--spacing", "1", "--repeat", "1",
                    *self.MACHINE)  # fmt: skip
-        text = self.run_ok(*command).stdout
+        text = self.run_bench(*command).stdout
         self.assertRegex(text, r"\nubiquitin at 1 Å: \d+ spheres, \d+ vertices, \d+ triangles\n")
         self.assertRegex(text, r"\nwrite PLY +\d+\.\d{4} ")
         self.assertRegex(text, r"\nfile to file +\d+\.\d{4} ")
-        rows = list(csv.DictReader(io.StringIO(self.run_ok(*command, "--csv", "-").stdout)))
+        rows = list(csv.DictReader(io.StringIO(self.run_bench(*command, "--csv", "-").stdout)))
         self.assertEqual([r["stage"] for r in rows if r["kind"] == "stage"], self.STAGES)
         self.assertEqual({r["input"] for r in rows}, {"ubiquitin"})
 

@@ -46,7 +46,7 @@ class Helps:
 def help_of(program, verb):
     """Of vdwmesh-mpi the man page has it, since that program needs mpirun; it is made from the same list."""
     if program == "vdwmesh":
-        result = run(*verb.split(), "--help")
+        result = run(verb, "--help")
         return result.stdout if result.returncode == 0 else None
     page = RANKS_PAGE.with_name(f"vdwmesh-mpi-{verb}.1")
     if not page.exists():
@@ -64,7 +64,7 @@ HELPS = Helps()
 
 
 def check(program, words):
-    verb = " ".join(words[:2]) if words[0] == "bench" else words[0]
+    verb = words[0]
     options = HELPS.options(program, verb)
     if options is None:
         raise Fault(f"{program} has no verb {verb}")

@@ -37,7 +37,7 @@ MODULES = {"MDAnalysis": "python3-mdanalysis", "numpy": "python3-numpy"}
 LONG = {
     "scripts/demo.sh": "a person, from a fresh clone",
     "mpirun -n 2 vdwmesh-mpi mesh": "scripts/run-documents.sh; tests/cli/test_ranks.py with smaller files",
-    "vdwmesh bench thesis": "scripts/run-documents.sh; tests/cli/test_bench.py with one entry",
+    "vdwmesh-bench thesis": "scripts/run-documents.sh; tests/cli/test_bench.py with one entry",
 }
 # Pictures that no command draws.
 DRAWN_ELSEWHERE = {"study.png": "a person, by a browser, of the page that the command in its text writes"}
@@ -105,7 +105,7 @@ class Documents(PictureTest):
 
     def run_block(self, page, text):
         self.prepare(text)
-        environment = dict(ranks_environment(), PATH=f"{self.folder / 'bin'}:{os.path.dirname(PROGRAM)}:{os.environ['PATH']}")
+        environment = dict(ranks_environment(), PATH=f"{self.folder / 'bin'}:{os.path.dirname(PROGRAM)}:{os.environ['VDWMESH_BUILD_DIR']}/bench:{os.environ['PATH']}")
         environment["PYTHONWARNINGS"] = "ignore"
         result = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, env=environment, timeout=3000,

@@ -47,11 +47,11 @@ ELSEWHERE = {
     ("docs/scale.md", "#!/bin/bash"): "a cluster with Slurm",
     ("docs/scale.md", "mpirun -n 2 --bind-to socket"): "a machine of two sockets; test_ranks.py without binding",
     ("docs/start.md", "scripts/demo.sh"): "test_documents.py says what",
-    ("docs/tasks/thesis.md", "vdwmesh bench thesis"): "test_documents.py says what",
+    ("docs/tasks/thesis.md", "vdwmesh-bench thesis"): "test_documents.py says what",
     ("docs/tasks/virus.md", "mpirun"): "test_documents.py says what",
 }  # fmt: skip
 # Single lines of pages in RUN.
-LINES_ELSEWHERE = {"vdwmesh bench thesis": "test_documents.py and test_bench.py"}
+LINES_ELSEWHERE = {"vdwmesh-bench thesis": "test_documents.py and test_bench.py"}
 
 ATOM_COLUMNS = ("group_PDB", "id", "type_symbol", "label_atom_id", "label_alt_id", "label_comp_id", "label_asym_id",
                 "label_entity_id", "label_seq_id", "Cartn_x", "Cartn_y", "Cartn_z", "occupancy", "auth_asym_id",

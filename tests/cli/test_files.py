@@ -113,8 +113,6 @@ class Outputs(ProgramTest):
                 self.assert_refused(BAD_INPUT, *mesh, says=("-o", "--json"))
                 both = ("--json", path, "--per-atom", same)
                 self.assert_refused(BAD_INPUT, "exact", UBIQUITIN, *both, says=("--json", "--per-atom"))
-        table = ("bench", "pipeline", UBIQUITIN, "--csv", path, "--json", path)
-        self.assert_refused(BAD_INPUT, *table, says=("--csv", "--json"))
         both = ("--json", "-", "--per-atom", "-")
         self.assert_refused(BAD_INPUT, "exact", UBIQUITIN, *both, says=("--json", "--per-atom"))
         self.assertEqual(self.files(), ["link.json"])
@@ -134,7 +132,6 @@ class Outputs(ProgramTest):
             (("exact", UBIQUITIN, "--radii", radii, "--json", radii), ("--json", "--radii")),
             (("compare", mesh, structure, "--json", mesh), ("--json", "MESH")),
             (("compare", mesh, structure, "--json", structure), ("--json", "INPUT")),
-            (("bench", "pipeline", structure, "--csv", structure), ("--csv", "INPUT")),
             (("render", self.link("a.png", "in.ply"), "--format", "xyzr", "-o", self.folder / "a.png"),
              ("-o", "INPUT")),
             (("study", self.folder / "out" / "study.csv", "--format", "xyzr", "-o", self.folder / "out"),

@@ -37,7 +37,6 @@ class Libraries(ProgramTest):
             ("mesh", UBIQUITIN, "--spacing", "1", "-o", mesh),
             ("report", UBIQUITIN, "--spacing", "1", *quick),
             ("exact", UBIQUITIN, "--topology", "off"),
-            ("bench", "pipeline", "--spacing", "1", UBIQUITIN),
         ):
             with self.subTest(verb=arguments[0]):
                 backend = () if arguments[0] == "exact" else ("--backend", "cpu")

@@ -18,7 +18,7 @@ import program
 from program import NO_BACKEND, PROGRAM, ProgramTest, missing, run
 
 TABLE = pathlib.Path(__file__).with_name("option_pairs.csv")
-VERBS = ("mesh", "report", "exact", "compare", "render", "study", "batch", "bench-thesis", "bench-pipeline", "info")
+VERBS = ("mesh", "report", "exact", "compare", "render", "study", "batch", "info")
 BASE = {
     "mesh": "in.pdb -o out.ply",
     "report": "in.pdb --json figures.json",
@@ -27,12 +27,10 @@ BASE = {
     "render": "in.pdb -o out.png --size 240x180",
     "study": "in.pdb -o out --spacing 1 --field vdw --edge-length 1 --subdivide 0",
     "batch": "in.pdb",
-    "bench-thesis": "--structures nothing --json figures.json",
-    "bench-pipeline": "in.pdb --spacing 1 --repeat 1 --json figures.json",
     "info": "",
 }
 # Of a report: the figures, without what echoes the command line and what a clock or a machine says.
-FIGURES = ("mesh", "exact", "excluded", "comparison", "picture", "rows", "structures", "inputs", "cases")
+FIGURES = ("mesh", "exact", "excluded", "comparison", "picture", "structures", "inputs")
 OF_THE_MACHINE = re.compile(r"seconds|time|path|bytes|memory|device|rss|wall|cpu|parameters|floor|copy")
 
 MODEL = """\

@@ -279,8 +279,7 @@ class Limits(ProgramTest):
 class Documentation(ProgramTest):
     def test_every_option_is_in_the_table(self):
         table = (SOURCE_DIR / "docs" / "options.md").read_text()
-        verbs = ("mesh", "report", "exact", "compare", "study", "render", "batch", "bench thesis",
-                 "bench pipeline", "info")
+        verbs = ("mesh", "report", "exact", "compare", "study", "render", "batch", "info")
         helps = [run(*verb.split(), "--help").stdout for verb in verbs]
         told = {o for text in helps for o in re.findall(r"--[a-z-]+", text)}
         told -= {"--help"}
@@ -309,7 +308,6 @@ class Help(ProgramTest):
             "exact": ["Input", "Surface", "Measures", "Output", "Machine"],
             "batch": ["Input", "Surface", "Measures", "Output", "Machine"],
             "study": ["Input", "Surface", "Sweep", "Measures", "Output", "Machine"],
-            "bench thesis": ["Benchmark", "Output", "Machine"],
             "info": ["Output"],
         }.items():
             with self.subTest(verb=verb):
@@ -333,7 +331,7 @@ class Help(ProgramTest):
 
     def test_what_is_required_is_marked(self):
         for verb, option in {"mesh": "-o, --output FILE", "render": "-o, --output FILE", "compare": "MESH",
-                             "study": "-o, --output FOLDER", "bench thesis": "--structures FOLDER"}.items():  # fmt: skip
+                             "study": "-o, --output FOLDER"}.items():  # fmt: skip
             self.assertIn("(required) ", self.entry(self.help(*verb.split()), option))
         report = self.help("report")
         self.assertIn("(required, or --sample) ", self.entry(report, "INPUT"))
@@ -360,9 +358,7 @@ class Help(ProgramTest):
             self.assertTrue(second.startswith(f"{gridded[key]} with "), option)
 
     def test_verbs(self):
-        self.assertRegex(self.help(), r"(?m)^  bench pipeline +\S")
-        bench = self.help("bench")
-        self.assertEqual(re.findall(r"^  (\w+ \w+) ", bench, re.M), ["bench thesis", "bench pipeline"])
+        self.assertRegex(self.help(), r"(?m)^  report +\S")
         self.assertEqual(self.help("exact", "no-file.pdb"), self.help("exact"))
         self.assertEqual(run("mesh", "-h").stdout, self.help("mesh"))
 
@@ -377,7 +373,7 @@ class FirstMistakes(ProgramTest):
         self.says(next_step="vdwmesh --help says what each does")
         self.says("helps", next_step="vdwmesh --help says what each does")
         self.says("repot", UBIQUITIN, next_step="did you mean report?")
-        self.says("bench", next_step="vdwmesh bench --help")
+        self.says("bench", next_step="vdwmesh-bench")
         self.says("1UBQ.pdb", next_step=", for example vdwmesh exact 1UBQ.pdb;")
 
     def test_inputs(self):
@@ -458,12 +454,10 @@ class DidYouMean(ProgramTest):
         self.suggests("--output", "mesh", UBIQUITIN, "--ouput", "a.ply")
 
     def test_verbs(self):
-        for typed, meant in (("repport", "report"), ("mehs", "mesh"), ("benhc", "bench"), ("inof", "info")):
+        for typed, meant in (("repport", "report"), ("mehs", "mesh"), ("inof", "info")):
             self.suggests(meant, typed)
-        self.suggests("pipeline", "bench", "pipline")
         for typed in ("frobnicate", "x", "--frobnicate", ""):
             self.suggests_nothing(typed)
-        self.suggests_nothing("bench", "speed")
 
     def test_values(self):
         for option, typed, meant in (("--field", "vwd", "vdw"), ("--field", "inverse-square", "inverse-squared"),
@@ -506,9 +500,6 @@ class Words(ProgramTest):
                 self.assert_refused(BAD_INPUT, "report", UBIQUITIN, *arguments, says=says)
 
     def test_several_structures(self):
-        both = ("bench", "pipeline", "--spacing", "2", "--repeat", "1", "--csv", "-")
-        rows = self.run_ok(*both, "--sample", "bpti,ubiquitin", UBIQUITIN).stdout.splitlines()
-        self.assertEqual({row.split(",")[0] for row in rows[1:]}, {"bpti", "ubiquitin", "ubiquitin.pdb"})
         self.assert_refused(BAD_INPUT, "exact", "--sample", "bpti,ubiquitin", says=("--sample", "one structure"))
 
 
@@ -555,7 +546,6 @@ class Messages(ProgramTest):
         atom = f"ATOM      1  C  {escape[:4]:4}A   1       0.000   0.000   0.000  1.00  0.00           C  \n"
         path = self.file(f"{escape}a.pdb", atom + "END")
         for arguments in (("exact", path), ("mesh", path, "-o", self.folder / f"{escape}.ply"),
-                          ("bench", "pipeline", path, "--repeat", "1"),
                           ("study", path, "-o", self.folder / "out", "--spacing", "1", "--progress")):  # fmt: skip
             with self.subTest(arguments=arguments):
                 result = self.run_ok(*arguments)
@@ -576,7 +566,6 @@ class Warnings(ProgramTest):
         out, page = self.folder / "a.ply", self.folder / "out"
         for arguments in (("exact", self.cut, "--json", "-"), ("exact", self.cut, "--quiet"),
                           ("exact", self.cut, "--per-atom", "-"), ("mesh", self.cut, "-o", out, "--quiet"),
-                          ("bench", "pipeline", self.cut, "--spacing", "1", "--repeat", "1"),
                           ("study", self.cut, "-o", page, "--spacing", "1", "--field", "vdw")):  # fmt: skip
             with self.subTest(arguments=arguments):
                 result = self.run_ok(*arguments)

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "command_line/command_line.hpp"
 #include "command_line/names.hpp"
+#include "options.hpp"
 #include "pipeline/copy_rate.hpp"
 #include "report.hpp"
 
@@ -20,6 +20,15 @@ template <>
 inline constexpr auto kNames<StageKind> = names<StageKind>({{"stage", StageKind::stage},
                                                             {"part", StageKind::part},
                                                             {"beside", StageKind::beside}});
+
+struct PipelineBenchOptions {
+  std::vector<InputOptions> inputs;
+  std::vector<double> spacings = {0.5, 0.25};  // Å, longest first
+  SurfaceOptions surface;                      // its subdivisions and crossings
+  Switch distances = Switch::off;              // take longer than all the rest
+  MachineOptions machine;
+  int repeats = 3;  // at most; the least time counts
+};
 
 // What was not measured is empty.
 struct StageRow {
@@ -52,10 +61,10 @@ std::optional<double> floor_ratio(const StageRow& row);
 // From file to file: the sum over the stages.
 StageRow total_of(const PipelineCase& done);
 
-// The inputs at the spacings, refined and, where wanted, with the distances to the exact surface,
-// which take longer than all the rest. `on_case` is called before each of the cases, with its place
+// The inputs at the spacings, refined and, where wanted, with the distances to the exact surface.
+// `on_case` is called before each of the cases, with its place
 // and their number.
-PipelineBench time_pipeline(const Options& options,
+PipelineBench time_pipeline(const PipelineBenchOptions& options,
                             const std::function<void(std::size_t, std::size_t)>& on_case);
 
 std::string pipeline_bench_text(const PipelineBench& bench);

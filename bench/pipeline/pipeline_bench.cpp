@@ -30,7 +30,7 @@ std::uint64_t file_bytes(const InputOptions& input) {
 // One pass over all stages of one case.
 class Pass {
  public:
-  Pass(const Options& options, const InputOptions& input, double spacing)
+  Pass(const PipelineBenchOptions& options, const InputOptions& input, double spacing)
       : options_(options), input_(input), session_{options.machine, nullptr, {}, {}} {
     surface_.grid.spacing = spacing;
   }
@@ -126,7 +126,7 @@ class Pass {
     };
     unite("exact, arcs", UnionMethod::arcs);
     unite("exact, topology", UnionMethod::cgal);
-    if (options_.distances.distances == Switch::off) return;
+    if (options_.distances == Switch::off) return;
     stage(
         "distances", in + indexed_mesh_bytes(mesh),
         [&]() -> Bytes {
@@ -148,7 +148,7 @@ class Pass {
           [&]() -> Bytes { return encode_mesh(mesh, MeshFormat::ply).bytes.size(); });
   }
 
-  const Options& options_;
+  const PipelineBenchOptions& options_;
   const InputOptions& input_;
   SurfaceOptions surface_;
   Molecule molecule_;
@@ -177,7 +177,8 @@ void set_floors(PipelineCase& done, const CopyRate& copy) {
 }
 
 // Long cases run once: what disturbs them is small beside them.
-PipelineCase run_case(const Options& options, const InputOptions& input, double spacing) {
+PipelineCase run_case(const PipelineBenchOptions& options, const InputOptions& input,
+                      double spacing) {
   const Stopwatch watch;
   PipelineCase least = Pass(options, input, spacing).run();
   for (int i = 1; i < options.repeats && watch.seconds() < kEnoughSeconds; ++i)
@@ -205,7 +206,7 @@ StageRow total_of(const PipelineCase& done) {
   return total;
 }
 
-PipelineBench time_pipeline(const Options& options,
+PipelineBench time_pipeline(const PipelineBenchOptions& options,
                             const std::function<void(std::size_t, std::size_t)>& on_case) {
   PipelineBench bench;
   bench.backend = describe_backend(options.machine.backend, resolve(options.machine.backend));

@@ -8,11 +8,14 @@
 #include <sstream>
 #include <utility>
 
-#include "assets.hpp"
 #include "core/errors.hpp"
 #include "refuse.hpp"
 
 namespace vdwmesh::apps {
+
+// The CSV of a table, which the program carries: EmbedAssets.cmake.
+std::string_view thesis_asset(std::string_view name);
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,7 +54,7 @@ bool is_gpu_table(std::string_view table) { return table == "4.3" || table == "4
 
 ThesisTable thesis_table(std::string_view name) {
   ThesisTable table{std::string(name), {}};
-  std::istringstream lines{std::string(asset("thesis-" + table.name))};
+  std::istringstream lines{std::string(thesis_asset(table.name))};
   std::string line;
   std::getline(lines, line);  // the names of the columns
   while (std::getline(lines, line)) table.entries.push_back(parse_entry(line));

@@ -1,5 +1,6 @@
-// The two CPU programs of Dias's thesis (Tables 4.1 and 4.2), rewritten as the baseline that
-// `vdwmesh bench thesis` times. They run on one thread, in single precision, on a dense grid.
+// The two CPU programs of Dias's thesis (Tables 4.1 and 4.2), rewritten as the baseline that the
+// benchmark of the thesis's tables times. They run on one thread, in single precision, on a dense
+// grid.
 //
 // Both programs are marching cubes on a sum of atom functions. They differ in one point: in the
 // first every voxel computes the vertices on its edges anew, in the second voxels share them by a
