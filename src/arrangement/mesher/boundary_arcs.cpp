@@ -19,7 +19,6 @@
 #include "arrangement/complex/arc_angle.hpp"
 #include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
-#include "arrangement/mesher/touching_arcs.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"

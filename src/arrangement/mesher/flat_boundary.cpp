@@ -1,14 +1,14 @@
 // Finds pieces that overlap or cross. Pieces are straight segments in the plane.
 //
 // Crossings are found by a sweep along x over the bounding boxes of the pieces (sweep and prune);
-// exact orientation tests decide about each pair of overlapping boxes. boundary_insertion.cpp
-// calls this before and during its triangulation.
+// exact orientation tests decide about each pair of overlapping boxes. patch_mesher.cpp calls this
+// before and during its triangulation.
 #include "arrangement/mesher/flat_boundary.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "arrangement/mesher/exact_plane_predicates.hpp"
+#include "arrangement/mesher/plane_predicates.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -5,8 +5,8 @@
 // criterion on the flat triangles: the two angles opposite to an edge must not add up to more than
 // half a turn. patch_triangulator.hpp calls smooth() and then find_defects() at the end of a patch.
 //
-// The templates are for patch_triangles.cpp, which compiles them for the host, and for the kernels
-// of the device.
+// The templates are for plane_triangulation.cpp, which compiles them for the host, and for the
+// kernels of the device.
 #pragma once
 
 #include <algorithm>

@@ -41,7 +41,7 @@ template <class Memory>
 VDWMESH_HD void smooth(const PatchBoundaryView& boundary, const PointCirclesOf<Memory>& circles,
                        int passes, SmoothingScratchOf<Memory>& scratch,
                        PatchTrianglesOf<Memory>& patch);
-// Those of the host are compiled in patch_triangles.cpp.
+// Those of the host are compiled in plane_triangulation.cpp.
 template <>
 void smooth(const PatchBoundaryView& boundary, const PointCircles& circles, int passes,
             SmoothingScratch& scratch, PatchTriangles& patch);

@@ -6,13 +6,13 @@
 // Inside a polygon of constrained edges the triangles do not depend on what lies outside it, so the
 // frame need not be far away.
 //
-// Tests are exact: plane_predicates.hpp decides nearly all of them in double, and
-// exact_plane_predicates.hpp the rest on the host. On the device the triangulation fails at the
-// rest (patch_memory.hpp). The steps are in plane_insertion.hpp, for both. But where points come
-// from a patch, ties are common and must not be decided by rounding, or a molecule would get other
-// triangles after a translation. There the edge that is there stays if four points were sampled
-// from one circle, or lie on one but for kTie, and either edge between them is as good. Symmetric
-// patches and the lattice inside of them have such points.
+// Tests are exact (plane_predicates.hpp): nearly all are decided in double, and the rest on the
+// host in exact arithmetic. On the device the triangulation fails at the rest (patch_memory.hpp).
+// The steps are in plane_insertion.hpp, for both. But where points come from a patch, ties are
+// common and must not be decided by rounding, or a molecule would get other triangles after a
+// translation. There the edge that is there stays if four points were sampled from one circle, or
+// lie on one but for kTie, and either edge between them is as good. Symmetric patches and the
+// lattice inside of them have such points.
 #pragma once
 
 #include <array>
@@ -23,7 +23,6 @@
 
 #include "arrangement/mesher/linked_triangle.hpp"
 #include "arrangement/mesher/patch_memory.hpp"
-#include "arrangement/mesher/plane_types.hpp"
 #include "arrangement/mesher/point_circles.hpp"
 
 namespace vdwmesh {

@@ -10,8 +10,6 @@
 // point, the point becomes a corner, and a cut of these arcs is noted. (3) An arc belongs to two
 // balls, and both may find the same point of it; such cuts are merged. (4) The arcs are cut.
 // boundary_arcs.cpp calls join_touching_arcs() before it merges corners.
-#include "arrangement/mesher/touching_arcs.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,6 +19,7 @@
 
 #include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
+#include "arrangement/mesher/boundary_arcs.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
 #include "core/steps.hpp"
