@@ -16,15 +16,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMargin = 3;  // degrees; see AngleBound::sine_before_smoothing()
 
-// Squared sine of the least angle. It lies between the two longest edges, and twice the area is the
-// product of their lengths and its sine.
-double least_squared_sine(const std::array<Vec3d, 3>& p) {
-  std::array<double, 3> edges{squared_norm(p[2] - p[1]), squared_norm(p[0] - p[2]),
-                              squared_norm(p[1] - p[0])};
-  std::ranges::sort(edges);
-  return squared_norm(cross(p[1] - p[0], p[2] - p[0])) / (edges[1] * edges[2]);
-}
-
 }  // namespace
 
 double argument(double re, double im) { return arcs::arguments(all_lanes(re), all_lanes(im))[0]; }
@@ -87,7 +78,10 @@ void AngleBound::find_sharp_corners() {
 }
 
 AngleBound::Verdict AngleBound::judge(const std::array<Vec3d, 3>& p) const {
-  if (least_squared_sine(p) >= sine_ * sine_) return Verdict::fine;
+  const Vec3d a = p[1] - p[0], b = p[2] - p[0];
+  const double squared_sine = least_squared_sine(
+      squared_norm(a), squared_norm(b), squared_norm(p[2] - p[1]), squared_norm(cross(a, b)));
+  if (squared_sine >= sine_ * sine_) return Verdict::fine;
   const bool is_excused = std::ranges::any_of(sharp_, [&](const Corner& corner) {
     return std::ranges::all_of(p, [&](const Vec3d& vertex) {
       return squared_norm(vertex - corner.position) <= corner.squared_reach;
