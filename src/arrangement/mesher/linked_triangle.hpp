@@ -83,7 +83,7 @@ VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uin
 // PlaneTriangulation has them as members.
 struct PlaneTypes {
   // An edge of a triangle by the number of the opposite corner.
-  struct Edge {
+  struct TriangleEdge {
     std::uint32_t triangle, corner;
   };
   enum class Place : std::uint8_t { inside, on_edge, on_vertex, outside };

@@ -96,7 +96,7 @@ AngleBound::Verdict AngleBound::judge(const std::array<Vec3d, 3>& p) const {
   const double squared_sine = least_squared_sine(
       squared_norm(a), squared_norm(b), squared_norm(p[2] - p[1]), squared_norm(cross(a, b)));
   if (squared_sine >= sine_ * sine_) return Verdict::fine;
-  const bool is_excused = std::ranges::any_of(sharp_, [&](const Corner& corner) {
+  const bool is_excused = std::ranges::any_of(sharp_, [&](const SharpCorner& corner) {
     return std::ranges::all_of(p, [&](const Vec3d& vertex) {
       return squared_norm(vertex - corner.position) <= corner.squared_reach;
     });
@@ -118,7 +118,8 @@ void AngleBound::find_in_plane(PlaneTriangulation& plane, std::span<const Vec3d>
 
 // Of the pieces around the triangles that the circumcentre would replace, one with the circumcentre
 // on its other side comes first; of several, the one seen under the widest angle. If there is none,
-// the widest one counts if it is wide enough to keep the circumcentre out.
+// the widest one counts if it is wide enough to keep the circumcentre out, by the same angle as in
+// PatchTriangulator::encroaches(), which needs no piece and therefore no quotient.
 std::uint32_t AngleBound::piece_in_the_way(PlaneTriangulation& plane, std::span<const Vec3d> points,
                                            const Stereographic& projection, std::uint32_t t) const {
   const auto& v = plane.triangle(t).vertices;

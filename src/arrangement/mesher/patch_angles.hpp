@@ -97,7 +97,7 @@ class AngleBound {
   SmallAngles count(const PatchTriangles& patch) const;
 
  private:
-  struct Corner {
+  struct SharpCorner {
     Vec3d position;
     double squared_reach;
   };
@@ -114,7 +114,7 @@ class AngleBound {
   PatchBoundaryView boundary_;
   PieceChords chords_;
   double sine_, sine_before_smoothing_, shortest_;
-  std::vector<Corner> sharp_;
+  std::vector<SharpCorner> sharp_;
 };
 
 }  // namespace vdwmesh

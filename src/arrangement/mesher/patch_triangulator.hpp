@@ -299,7 +299,8 @@ class PatchTriangulator {
     plane_.visit_star(vertex, [&](std::uint32_t t) { queue_if_bad(t); });
   }
 
-  // Whether u is too near to a piece: whether it sees one under too wide an angle. Only pieces that
+  // Whether u is too near to a piece: whether it sees one under too wide an angle. (AngleBound asks
+  // which of them is seen under the widest one, and needs a quotient for that.) Only pieces that
   // would be edges of u's new triangles are tested; they bound the conflict zone, the triangles
   // that the insertion of u would replace.
   VDWMESH_HD bool encroaches(const Vec3d& u, const PlanePoint& p, const Location& at) {

@@ -170,7 +170,7 @@ VDWMESH_HD int PlaneTriangulationOf<Memory>::in_circle(const LinkedTriangle& t, 
 // Where p lies with respect to the edges of triangle t. The walk has come from triangle `from`, so
 // p is on the inner side of the edge to it.
 template <class Memory>
-VDWMESH_HD typename PlaneTriangulationOf<Memory>::Sides PlaneTriangulationOf<Memory>::sides(
+VDWMESH_HD typename PlaneTriangulationOf<Memory>::EdgeSides PlaneTriangulationOf<Memory>::sides(
     const PlanePoint& p, std::uint32_t t, std::uint32_t from) {
   const LinkedTriangle& w = triangles_[t];
   // A thread of a device tests all edges at once, as holds_for_any() tests all caps.
@@ -226,7 +226,7 @@ VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::locate_here(const 
   if (!(std::abs(p.x) <= largest_ && std::abs(p.y) <= largest_)) return {near, 0, Place::outside};
   std::uint32_t t = near, from = kNoNeighbor;
   for (std::size_t steps = 0; steps <= 2 * triangles_.size(); ++steps) {
-    const Sides s = sides(p, t, from);
+    const EdgeSides s = sides(p, t, from);
     if (memory_.has_failed()) return {t, 0, Place::outside};
     if (s.beyond == kInside) return location(t, s.on);
     from = t;
@@ -240,7 +240,7 @@ VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::locate_here(const 
 template <class Memory>
 VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::search_all(const PlanePoint& p) {
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    const Sides s = sides(p, t, kNoNeighbor);
+    const EdgeSides s = sides(p, t, kNoNeighbor);
     if (s.beyond == kInside) return location(t, s.on);
   }
   return {0, 0, Place::outside};
@@ -344,7 +344,7 @@ VDWMESH_HD void PlaneTriangulationOf<Memory>::insert_here(std::uint32_t vertex,
 }
 
 template <class Memory>
-VDWMESH_HD std::span<const PlaneTypes::Edge> PlaneTriangulationOf<Memory>::pieces_around(
+VDWMESH_HD std::span<const PlaneTypes::TriangleEdge> PlaneTriangulationOf<Memory>::pieces_around(
     const PlanePoint& p, std::uint32_t at) {
   visits_.resize(triangles_.size(), 0);
   ++search_;

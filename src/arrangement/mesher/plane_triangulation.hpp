@@ -72,7 +72,7 @@ class PlaneTriangulationOf : public PlaneTypes {
 
   // The pieces around the region that the insertion of p would retriangulate, as edges of triangles
   // inside of it. `at` is the triangle that p lies in. The span is valid until the next call.
-  VDWMESH_HD std::span<const Edge> pieces_around(const PlanePoint& p, std::uint32_t at);
+  VDWMESH_HD std::span<const TriangleEdge> pieces_around(const PlanePoint& p, std::uint32_t at);
 
   // The triangles that meet a disk, and some near it. `from` must be one that meets it. For the
   // host. The span is valid until the next call.
@@ -162,10 +162,10 @@ class PlaneTriangulationOf : public PlaneTypes {
 
   // The sides of a triangle's edges on which a point lies: a corner with the point beyond its edge,
   // or kInside; and the edges on whose lines it lies, one bit each, if it is beyond none.
-  struct Sides {
+  struct EdgeSides {
     std::uint32_t beyond, on;
   };
-  VDWMESH_HD Sides sides(const PlanePoint& p, std::uint32_t t, std::uint32_t from);
+  VDWMESH_HD EdgeSides sides(const PlanePoint& p, std::uint32_t t, std::uint32_t from);
   VDWMESH_HD static Location location(std::uint32_t t, std::uint32_t on);
   VDWMESH_HD Location search_all(const PlanePoint& p);
 
@@ -180,12 +180,12 @@ class PlaneTriangulationOf : public PlaneTypes {
   VDWMESH_HD void legalize_around_new();
   VDWMESH_HD bool should_flip(std::uint32_t t, std::uint32_t corner);
 
-  VDWMESH_HD bool find_edge(std::uint32_t a, std::uint32_t b, Edge& edge) const;
-  VDWMESH_HD bool find_edge_at(std::uint32_t a, std::uint32_t b, Edge& edge) const;
-  VDWMESH_HD bool find_listed(const ListedEdge& listed, Edge& edge) const;
-  VDWMESH_HD Outcome set_piece(const Edge& edge, std::uint32_t piece);
+  VDWMESH_HD bool find_edge(std::uint32_t a, std::uint32_t b, TriangleEdge& edge) const;
+  VDWMESH_HD bool find_edge_at(std::uint32_t a, std::uint32_t b, TriangleEdge& edge) const;
+  VDWMESH_HD bool find_listed(const ListedEdge& listed, TriangleEdge& edge) const;
+  VDWMESH_HD Outcome set_piece(const TriangleEdge& edge, std::uint32_t piece);
   VDWMESH_HD Outcome find_crossed(std::uint32_t from, std::uint32_t to);
-  VDWMESH_HD Outcome first_crossed(std::uint32_t from, std::uint32_t to, Edge& edge);
+  VDWMESH_HD Outcome first_crossed(std::uint32_t from, std::uint32_t to, TriangleEdge& edge);
   VDWMESH_HD void flip_crossed(std::uint32_t from, std::uint32_t to);
   VDWMESH_HD void legalize_flipped(std::uint32_t from, std::uint32_t to);
 
@@ -203,7 +203,7 @@ class PlaneTriangulationOf : public PlaneTypes {
   Array<Side> inside_;           // by triangle
   Array<std::uint32_t> stack_;   // scratch memory: triangles to look at
   Array<std::uint32_t> visits_;  // by triangle: the last search that came by
-  Array<Edge> found_;
+  Array<TriangleEdge> found_;
   Array<ListedEdge> crossed_, flipped_;  // scratch memory of insert_piece()
   std::uint32_t search_ = 0;             // number of the last search
   std::uint32_t turn_ = 0;               // where locate() begins in a triangle

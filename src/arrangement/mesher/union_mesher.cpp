@@ -441,7 +441,7 @@ class UnionMesher {
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
   // Empty without a device. Last, since its threads, which end with it, read the others.
-  std::optional<DevicePatches> on_device_;
+  std::optional<PatchDispatch> on_device_;
 };
 
 }  // namespace
