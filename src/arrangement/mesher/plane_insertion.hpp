@@ -1,11 +1,23 @@
 // Insertion of points into the triangulation. piece_insertion.hpp inserts pieces.
 //
-// A point is found by a walk from a triangle near it. The triangle is split into three, and edges
-// opposite to the point are flipped while they are not Delaunay.
+// A piece is an edge that must stay. An edge is Delaunay if the circle through the vertices of one
+// of its triangles does not have the opposite vertex of the other triangle inside. A flip takes the
+// edge between two triangles away and puts the other diagonal of their quadrilateral in its place.
+// A tie is an in-circle test of four points that lie on one circle, or on one but for kTie.
 //
-// Why this ends: an edge is flipped only if the fourth point lies strictly inside the circle, by an
-// exact test. Each flip then lowers the surface over the plane that has the height x² + y² at the
-// vertices, so no triangulation comes back. Edges that are kept because of labels do not matter.
+// insert() leaves a triangulation in which every edge is Delaunay that was so before, but pieces
+// and ties. It takes these steps:
+//
+// 1. locate() walks from a triangle near the point to the one that has it, across the edges beyond
+//    which the point lies.
+// 2. split() divides that triangle into three at the point. If the point lies on an edge, one of
+//    the three is flat, and a flip of the edge removes it.
+// 3. legalize_around_new() flips the edges opposite to the point while they are not Delaunay.
+//
+// Step 3 ends. An edge is flipped only if the fourth point lies strictly inside the circle, by an
+// exact test. Lift every vertex to the height x² + y² above the plane: then each flip lowers the
+// surface of the lifted triangles. So no triangulation comes back, and there are finitely many.
+// Edges that stay because they are pieces or ties do not matter for this.
 //
 // The templates are for plane_triangulation.cpp, which compiles them for the host, and for the
 // kernels of the device.
