@@ -32,18 +32,30 @@ double angle_at(const PatchTriangles& patch, const LinkedTriangle& t, std::uint3
                        patch.points[t.vertices[corner_before(k)]] - p);
 }
 
+// Whether all angles of a triangle are above the floor by more than rounding.
+bool is_surely_above(const PatchTriangles& patch, const LinkedTriangle& t) {
+  const Vec3d &a = patch.points[t.vertices[0]], &b = patch.points[t.vertices[1]],
+              &c = patch.points[t.vertices[2]];
+  const Vec3d ab = b - a, ac = c - a;
+  return least_squared_sine(squared_norm(ab), squared_norm(ac), squared_norm(c - b),
+                            squared_norm(cross(ab, ac))) > 1.001 * kFloorSine * kFloorSine;
+}
+
 }  // namespace
 
 AngleFloors::AngleFloors(const PatchBoundaryView& boundary, const ArcsOfPatch& arcs,
                          double edge_length)
-    : boundary_(boundary), arcs_(arcs), shortest_(kShortestForFloors * edge_length) {}
+    : boundary_(boundary),
+      chords_(boundary),
+      arcs_(arcs),
+      shortest_(kShortestForFloors * edge_length) {}
 
-double AngleFloors::chord(std::uint32_t piece) const { return chord_of(boundary_, piece); }
-
+// Nearly all triangles end at the sine of their least angle, which needs no argument.
 template <class Visit>
 bool AngleFloors::visit_below(const PatchTriangles& patch, const Visit& visit) const {
   for (std::uint32_t t = 0; t < patch.triangles.size(); ++t) {
     const LinkedTriangle& w = patch.triangles[t];
+    if (is_surely_above(patch, w)) continue;
     for (std::uint32_t k = 0; k < 3; ++k) {
       const double angle = angle_at(patch, w, k);
       if (angle >= kFloor * kEnough || angle >= floor_at(patch, t, k) * kEnough) continue;
@@ -132,20 +144,8 @@ void AngleFloors::ask(const LinkedTriangle& t, std::uint32_t k,
     if (t.pieces[corner_after(corner)] != kNoPiece && t.pieces[corner_before(corner)] != kNoPiece)
       return ask_at_corner(t, k, corner, found);
   }
-  std::uint32_t longest = kNoPiece;
-  const auto keep_longer = [&](std::uint32_t piece) {
-    if (longest == kNoPiece || chord(piece) > chord(longest)) longest = piece;
-  };
-  for (const std::uint32_t edge : {corner_after(k), corner_before(k)}) {
-    if (t.pieces[edge] != kNoPiece) keep_longer(t.pieces[edge]);
-  }
-  if (longest == kNoPiece) {
-    const auto is_vertex = [&](std::uint32_t i) { return std::ranges::count(t.vertices, i) > 0; };
-    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
-      if (p == t.pieces[k]) continue;
-      if (is_vertex(boundary_.pieces[p].from) || is_vertex(boundary_.pieces[p].to)) keep_longer(p);
-    }
-  }
+  std::uint32_t longest = chords_.longer(t.pieces[corner_after(k)], t.pieces[corner_before(k)]);
+  if (longest == kNoPiece) longest = chords_.longest_at_vertices(t, t.pieces[k]);
   if (longest != kNoPiece) halve(longest, found);
 }
 
@@ -159,9 +159,9 @@ void AngleFloors::ask_at_corner(const LinkedTriangle& t, std::uint32_t k, std::u
     halve(other, found);
     return;
   }
-  const std::uint32_t longer = chord(one) > chord(other) ? one : other;
-  const double shorter_chord = std::min(chord(one), chord(other)),
-               ratio = chord(longer) / shorter_chord;
+  const std::uint32_t longer = chords_.of(one) > chords_.of(other) ? one : other;
+  const double shorter_chord = std::min(chords_.of(one), chords_.of(other)),
+               ratio = chords_.of(longer) / shorter_chord;
   const Vec3d& p = boundary_.points[t.vertices[corner]];
   const double angle = angle_between(boundary_.points[t.vertices[corner_after(corner)]] - p,
                                      boundary_.points[t.vertices[corner_before(corner)]] - p);
@@ -198,7 +198,7 @@ void AngleFloors::cut(std::uint32_t piece, std::uint32_t point, double length,
 // is above 2e-7, far more than the 2^-32 that PieceSplit counts in.
 bool AngleFloors::may_split(std::uint32_t piece, double fraction) const {
   const ArcPiece source = boundary_.pieces[piece].source;
-  return 2 * fraction * chord(piece) > shortest_ &&
+  return 2 * fraction * chords_.of(piece) > shortest_ &&
          !arcs_.limits.is_straight(source, kStraightForFloors / (fraction * fraction)) &&
          arcs_.limits.has_room_for_angles(source.arc);
 }

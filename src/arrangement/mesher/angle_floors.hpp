@@ -22,6 +22,7 @@
 #include <optional>
 
 #include "arrangement/mesher/arc_sampling.hpp"
+#include "arrangement/mesher/patch_angles.hpp"
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_triangles.hpp"
 #include "arrangement/mesher/patch_vector.hpp"
@@ -64,7 +65,6 @@ class AngleFloors {
   void ask(const LinkedTriangle& t, std::uint32_t k, PatchVector<PieceSplit>& found) const;
   void ask_at_corner(const LinkedTriangle& t, std::uint32_t k, std::uint32_t corner,
                      PatchVector<PieceSplit>& found) const;
-  double chord(std::uint32_t piece) const;
   void halve(std::uint32_t piece, PatchVector<PieceSplit>& found) const;
   void cut(std::uint32_t piece, std::uint32_t point, double length,
            PatchVector<PieceSplit>& found) const;
@@ -72,6 +72,7 @@ class AngleFloors {
   bool may_split(std::uint32_t piece, double fraction) const;
 
   PatchBoundaryView boundary_;
+  PieceChords chords_;
   ArcsOfPatch arcs_;
   double shortest_;
 };

@@ -19,7 +19,6 @@
 #include "arrangement/complex/arc_angle.hpp"
 #include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
-#include "arrangement/mesher/touching_arcs.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
@@ -46,24 +45,20 @@ template <class PointOf>
 std::vector<Pair> close_pairs(std::size_t count, const PointOf& point, double reach, double radius,
                               Steps& steps) {
   if (count < 2) return {};
-  struct Place {
-    double along;
-    std::uint32_t index;
-  };
   const Vec3d line{0.3946, 0.5622, 0.7266};
-  std::vector<Place> places(count);
+  std::vector<std::pair<double, std::uint32_t>> places(count);  // along the line, and the point
   for (std::uint32_t i = 0; i < count; ++i) {
     places[i] = {dot(point(i) - point(0), line), i};
   }
-  std::ranges::sort(places, {}, &Place::along);
+  std::ranges::sort(places, {}, [](const auto& place) { return place.first; });
   constexpr double kRounding = 1e-14;  // of the radius: of the projections
   const double window = reach + kRounding * radius;
   std::vector<Pair> found;
   for (auto a = places.begin(); a != places.end(); ++a) {
     steps.add(1);
-    for (auto b = a + 1; b != places.end() && b->along - a->along <= window; ++b) {
+    for (auto b = a + 1; b != places.end() && b->first - a->first <= window; ++b) {
       steps.add(1);
-      const auto [i, j] = std::minmax(a->index, b->index);
+      const auto [i, j] = std::minmax(a->second, b->second);
       if (squared_norm(point(j) - point(i)) <= reach * reach) found.push_back({i, j});
     }
   }
@@ -352,11 +347,11 @@ class BoundaryBuilder {
   std::vector<Slit> find_slits() const {
     // An arc of a ball, with its ends in ascending order. In the row of a ball, arcs with the same
     // ends follow each other. So do all whole circles, whose ends are kNoIndex.
-    struct Place {
+    struct ArcBetween {
       std::uint32_t low, high, arc;
-      auto operator<=>(const Place&) const = default;
+      auto operator<=>(const ArcBetween&) const = default;
     };
-    SortedRows<Place> places;
+    SortedRows<ArcBetween> places;
     places.fill(placed_.balls.size(), out_.arcs.size(), [&](std::size_t a, const auto& add) {
       const BoundaryArc& arc = out_.arcs[a];
       const auto [low, high] = std::minmax(arc.ends[0], arc.ends[1]);

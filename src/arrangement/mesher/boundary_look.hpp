@@ -17,30 +17,15 @@
 
 namespace vdwmesh {
 
-// The triangulation that a look leaves: the arrays of PlaneTypes::State, which are full.
-// PlaneTypes::State::largest is the abscissa of the frame's second corner, points[1].
-struct LookState {
-  PlanePoint* points;
-  LinkedTriangle* triangles;
-  std::uint32_t* star;
-};
-
 // The sizes of a boundary that has no triangulation yet and gets no points inside.
 inline PatchSizes look_sizes(const PatchBoundary& b) {
   const auto count = [](const auto& list) { return static_cast<std::uint32_t>(list.size()); };
   return {count(b.points), count(b.pieces), count(b.caps), count(b.through), 0, count(b.points)};
 }
 
-// In the order of PlaneTriangulationOf::visit_state().
-VDWMESH_HD inline LookState look_state(const PatchSizes& sizes, ArrayPlaces& places) {
-  LookState state{};
-  state.points = places.next<PlanePoint>(capacity(sizes, PatchArray::plane_points));
-  state.triangles = places.next<LinkedTriangle>(capacity(sizes, PatchArray::triangles));
-  state.star = places.next<std::uint32_t>(capacity(sizes, PatchArray::plane_points));
-  return state;
-}
-
-// Where the arrays of a look begin, in bytes.
+// Where the arrays of a look begin, in bytes. Its state is the triangulation that it leaves: the
+// arrays of PlaneTypes::State, which are full. PlaneTypes::State::largest is the abscissa of the
+// frame's second corner, points[1].
 struct BoundedLook {
   PatchSizes sizes;
   std::uint64_t input, state, work;
@@ -90,7 +75,9 @@ VDWMESH_HD inline PatchOutcome look_at_boundary(const BoundedLook& look, const L
   const PatchSizes& n = look.sizes;
   ArrayPlaces inputs(memory.input + look.input), states(memory.state + look.state),
       arrays(memory.work + look.work);
-  const PatchBoundaryView boundary = boundary_input(n, inputs).view(n);
+  PatchInput in;
+  place_boundary(n, inputs, in);
+  const PatchBoundaryView boundary = in.view(n);
   PatchFailure failure = PatchFailure::none;
   PatchWork<BoundedMemory> work{BoundedMemory(&failure)};
   const std::span<PlanePoint> plane_points = place_look(n, &failure, arrays, work);

@@ -23,12 +23,16 @@ struct PatchSizes {
   VDWMESH_HD std::uint32_t plane_points() const { return points + 3; }
 };
 
-// The packed arrays of a boundary, and of its triangulation (PlaneTypes::State).
-struct BoundaryInput {
-  Vec3d* points;
-  BoundaryPiece* pieces;
-  CoveredCap* caps;
-  SphereThrough* through;
+// The packed arrays of a boundary, and of its triangulation (PlaneTypes::State). Either may be
+// elsewhere, and its arrays are null here.
+struct PatchInput {
+  Vec3d* points = nullptr;
+  BoundaryPiece* pieces = nullptr;
+  CoveredCap* caps = nullptr;
+  SphereThrough* through = nullptr;
+  PlanePoint* plane_points = nullptr;
+  LinkedTriangle* triangles = nullptr;
+  std::uint32_t* star = nullptr;
 
   VDWMESH_HD PatchBoundaryView view(const PatchSizes& sizes) const {
     PatchBoundaryView all;
@@ -38,12 +42,6 @@ struct BoundaryInput {
     all.through = {through, sizes.through};
     return all;
   }
-};
-struct PatchInput {
-  BoundaryInput boundary;
-  PlanePoint* plane_points;
-  std::uint32_t* star;
-  LinkedTriangle* triangles;
 };
 
 // Places arrays one after another, each at a multiple of eight bytes. Without memory to place them
@@ -64,19 +62,24 @@ class ArrayPlaces {
   std::size_t bytes_ = 0;
 };
 
-VDWMESH_HD inline BoundaryInput boundary_input(const PatchSizes& sizes, ArrayPlaces& places) {
-  BoundaryInput in{};
+VDWMESH_HD inline void place_boundary(const PatchSizes& sizes, ArrayPlaces& places,
+                                      PatchInput& in) {
   in.points = places.next<Vec3d>(sizes.points);
   in.pieces = places.next<BoundaryPiece>(sizes.pieces);
   in.caps = places.next<CoveredCap>(sizes.caps);
   in.through = places.next<SphereThrough>(sizes.through);
-  return in;
+}
+// In the order of PlaneTriangulationOf::visit_state().
+VDWMESH_HD inline void place_plane(std::uint32_t points, std::uint32_t triangles,
+                                   ArrayPlaces& places, PatchInput& in) {
+  in.plane_points = places.next<PlanePoint>(points);
+  in.triangles = places.next<LinkedTriangle>(triangles);
+  in.star = places.next<std::uint32_t>(points);
 }
 VDWMESH_HD inline PatchInput patch_input(const PatchSizes& sizes, ArrayPlaces& places) {
-  PatchInput in{boundary_input(sizes, places), nullptr, nullptr, nullptr};
-  in.plane_points = places.next<PlanePoint>(sizes.plane_points());
-  in.star = places.next<std::uint32_t>(sizes.plane_points());
-  in.triangles = places.next<LinkedTriangle>(sizes.plane_triangles);
+  PatchInput in;
+  place_boundary(sizes, places, in);
+  place_plane(sizes.plane_points(), sizes.plane_triangles, places, in);
   return in;
 }
 
@@ -186,7 +189,7 @@ VDWMESH_HD inline PatchOutcome mesh_bounded_patch(const BoundedPatch& patch,
   ArrayPlaces inputs(memory.input + patch.input), arrays(memory.work + patch.work);
   const PatchInput in = patch_input(patch.sizes, inputs);
   const PatchSizes& n = patch.sizes;
-  const PatchBoundaryView boundary = in.boundary.view(n);
+  const PatchBoundaryView boundary = in.view(n);
   PatchFailure& failure = desk.failure;
   PatchWork<BoundedMemory>& work = desk.work;
   place_arrays(n, &failure, arrays, work);

@@ -51,7 +51,7 @@ void HostTurns::read(const std::function<void()>& look) {
   error.rethrow();
 }
 
-DevicePatches::DevicePatches(PatchDevice& device, std::size_t balls, Sources sources,
+PatchDispatch::PatchDispatch(PatchDevice& device, std::size_t balls, Sources sources,
                              Monitor* monitor)
     : device_(device),
       sources_(std::move(sources)),
@@ -69,7 +69,7 @@ DevicePatches::DevicePatches(PatchDevice& device, std::size_t balls, Sources sou
   }
 }
 
-DevicePatches::~DevicePatches() {
+PatchDispatch::~PatchDispatch() {
   // The threads go on only if the host has failed, which then has its turn.
   if (!threads_.empty()) {
     for (PatchJob& job : jobs_) job.is_withdrawn = true;
@@ -78,7 +78,7 @@ DevicePatches::~DevicePatches() {
   end_threads();
 }
 
-void DevicePatches::look(std::span<const std::uint32_t> balls, DeviceWork work, const Looks& looks,
+void PatchDispatch::look(std::span<const std::uint32_t> balls, DeviceWork work, const Looks& looks,
                          ExactMeshStats& stats) {
   std::vector<std::uint8_t> is_done(balls.size(), 0);  // bytes, since several threads set them
   if (work == DeviceWork::all || balls.size() >= kLeastLooksForDevice) {
@@ -99,13 +99,13 @@ void DevicePatches::look(std::span<const std::uint32_t> balls, DeviceWork work, 
   });
 }
 
-void DevicePatches::withdraw(std::uint32_t ball) {
+void PatchDispatch::withdraw(std::uint32_t ball) {
   PatchJob*& job = job_of_[ball];
   if (job) job->is_withdrawn = true;
   job = nullptr;
 }
 
-std::vector<PatchJob> DevicePatches::make_jobs(std::span<const std::uint32_t> balls,
+std::vector<PatchJob> PatchDispatch::make_jobs(std::span<const std::uint32_t> balls,
                                                const MakeJob& make) const {
   std::vector<PatchJob> jobs(balls.size());
   for_each_index(balls.size(), [&](std::size_t i) {
@@ -116,7 +116,7 @@ std::vector<PatchJob> DevicePatches::make_jobs(std::span<const std::uint32_t> ba
 }
 
 // The device gets patches of up to so many points.
-std::uint32_t DevicePatches::most_points(std::span<const PatchJob> jobs, HostWork host) {
+std::uint32_t PatchDispatch::most_points(std::span<const PatchJob> jobs, HostWork host) {
   std::vector<std::uint32_t> sizes(jobs.size());
   for_each_index(jobs.size(), [&](std::size_t i) { sizes[i] = jobs[i].sizes.most_points; });
   const DeviceLoad load = load_for_device(std::move(sizes), host, busy_);
@@ -124,7 +124,7 @@ std::uint32_t DevicePatches::most_points(std::span<const PatchJob> jobs, HostWor
   return load.most_points;
 }
 
-void DevicePatches::send(std::vector<std::uint32_t>& balls, DeviceWork work, HostWork host,
+void PatchDispatch::send(std::vector<std::uint32_t>& balls, DeviceWork work, HostWork host,
                          const MakeJob& make) {
   std::vector<PatchJob> jobs = make_jobs(balls, make);
   const std::uint32_t most = work == DeviceWork::all ? kNoIndex : most_points(jobs, host);
@@ -145,11 +145,11 @@ void DevicePatches::send(std::vector<std::uint32_t>& balls, DeviceWork work, Hos
   changed_.notify_all();
 }
 
-void DevicePatches::host_has_looked_at(std::size_t boundaries) {
+void PatchDispatch::host_has_looked_at(std::size_t boundaries) {
   busy_ = busy_after(busy_, boundaries);
 }
 
-void DevicePatches::take_back() {
+void PatchDispatch::take_back() {
   std::size_t count = 0;
   for (PatchJob& job : jobs_) {
     if (job.is_begun || job.is_withdrawn) continue;
@@ -159,7 +159,7 @@ void DevicePatches::take_back() {
   busy_ = busy_without(busy_, count);
 }
 
-void DevicePatches::end_threads() noexcept {
+void PatchDispatch::end_threads() noexcept {
   {
     const std::lock_guard lock(mutex_);
     is_last_ = true;
@@ -179,7 +179,7 @@ std::size_t share_of_thread(std::size_t jobs, std::size_t idle) {
 
 }  // namespace
 
-void DevicePatches::work() {
+void PatchDispatch::work() {
   const auto look = [this](const std::function<void()>& f) { turns_.read(f); };
   for (;;) {
     std::span<PatchJob> jobs;
@@ -195,7 +195,7 @@ void DevicePatches::work() {
   }
 }
 
-std::vector<std::uint32_t> DevicePatches::take_results(std::span<const std::uint32_t> balls,
+std::vector<std::uint32_t> PatchDispatch::take_results(std::span<const std::uint32_t> balls,
                                                        std::span<const std::uint32_t> of_host,
                                                        std::vector<PatchMesh>& patches,
                                                        ExactMeshStats& stats) {
@@ -222,7 +222,7 @@ std::vector<std::uint32_t> DevicePatches::take_results(std::span<const std::uint
 
 namespace {
 
-PatchPlace place_of(std::uint32_t ball, std::uint64_t kept, const DevicePatches::Places& places) {
+PatchPlace place_of(std::uint32_t ball, std::uint64_t kept, const PatchDispatch::Places& places) {
   const auto length = [ball](std::span<const std::uint64_t> first) {
     return static_cast<std::uint32_t>(first[ball + 1] - first[ball]);
   };
@@ -236,13 +236,13 @@ PatchPlace place_of(std::uint32_t ball, std::uint64_t kept, const DevicePatches:
 }
 
 // Å for each unit of the balls' lengths.
-double unit_of(const DevicePatches::Places& places) {
+double unit_of(const PatchDispatch::Places& places) {
   return std::ldexp(1.0, places.balls.scale_exponent);
 }
 
 }  // namespace
 
-std::vector<PatchPlace> DevicePatches::kept_places(const Places& places) const {
+std::vector<PatchPlace> PatchDispatch::kept_places(const Places& places) const {
   return collect<PatchPlace>(job_of_.size(), [&](std::size_t b, std::vector<PatchPlace>& found) {
     const auto ball = static_cast<std::uint32_t>(b);
     const PatchJob* const kept = kept_job(ball);
@@ -250,12 +250,12 @@ std::vector<PatchPlace> DevicePatches::kept_places(const Places& places) const {
   });
 }
 
-void DevicePatches::place(const Places& places, IndexedMesh& mesh) {
+void PatchDispatch::place(const Places& places, IndexedMesh& mesh) {
   device_.place({kept_places(places), unit_of(places), places.first_vertices}, mesh);
   device_.forget();
 }
 
-void DevicePatches::assemble(const Places& places, std::span<const PatchMesh> patches,
+void PatchDispatch::assemble(const Places& places, std::span<const PatchMesh> patches,
                              const MeshPlacement& boundary) {
   const std::vector<PatchPlace> kept = kept_places(places);
   const std::vector<PatchOfHost> of_host =

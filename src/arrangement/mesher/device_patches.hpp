@@ -51,17 +51,17 @@ class HostTurns {
 // 0.22.
 inline constexpr std::size_t kLeastLooksForDevice = 16384;
 
-class DevicePatches {
+class PatchDispatch {
  public:
   // Writes where each point of the job's boundary comes from, as PatchOrder::sources does.
   using Sources = std::function<void(const PatchJob&, std::span<PointSource>)>;
 
   // For patches of so many balls. Keeps references.
-  DevicePatches(PatchDevice& device, std::size_t balls, Sources sources, Monitor* monitor);
+  PatchDispatch(PatchDevice& device, std::size_t balls, Sources sources, Monitor* monitor);
   // Withdraws everything that the device has not begun, and waits for the rest.
-  ~DevicePatches();
-  DevicePatches(const DevicePatches&) = delete;
-  DevicePatches& operator=(const DevicePatches&) = delete;
+  ~PatchDispatch();
+  PatchDispatch(const PatchDispatch&) = delete;
+  PatchDispatch& operator=(const PatchDispatch&) = delete;
 
   // These are for the host, in its turn.
   struct Looks {

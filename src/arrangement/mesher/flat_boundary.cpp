@@ -1,21 +1,21 @@
 // Finds pieces that overlap or cross. Pieces are straight segments in the plane.
 //
 // Crossings are found by a sweep along x over the bounding boxes of the pieces (sweep and prune);
-// exact orientation tests decide about each pair of overlapping boxes. boundary_insertion.cpp
-// calls this before and during its triangulation.
+// exact orientation tests decide about each pair of overlapping boxes. patch_mesher.cpp calls this
+// before and during its triangulation.
 #include "arrangement/mesher/flat_boundary.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "arrangement/mesher/exact_plane_predicates.hpp"
+#include "arrangement/mesher/plane_predicates.hpp"
 
 namespace vdwmesh {
 namespace {
 
 // Whether the closed intervals [low, high] of two boxes overlap along y. Along x the sweep knows.
-template <class Box>
-bool overlap_in_y(const Box& a, const Box& b) {
+template <class PieceBox>
+bool overlap_in_y(const PieceBox& a, const PieceBox& b) {
   return a.low.y <= b.high.y && b.low.y <= a.high.y;
 }
 
@@ -53,11 +53,11 @@ std::vector<std::uint32_t> FlatBoundary::crossings_of(std::uint32_t piece) const
 // each box it is enough to look at the following ones up to the first that begins behind it.
 std::vector<std::uint32_t> FlatBoundary::crossings(Monitor* monitor) const {
   std::vector<std::uint32_t> found;
-  std::vector<Box> boxes;
+  std::vector<PieceBox> boxes;
   boxes.reserve(boundary_.pieces.size());
   for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) boxes.push_back(box(p));
   std::sort(boxes.begin(), boxes.end(),
-            [](const Box& a, const Box& b) { return a.low.x < b.low.x; });
+            [](const PieceBox& a, const PieceBox& b) { return a.low.x < b.low.x; });
   for (auto a = boxes.begin(); a != boxes.end(); ++a) {
     check_cancelled(monitor, static_cast<std::size_t>(a - boxes.begin()));
     for (auto b = a + 1; b != boxes.end() && b->low.x <= a->high.x; ++b) {
@@ -73,7 +73,7 @@ std::array<PlanePoint, 2> FlatBoundary::segment(std::uint32_t piece) const {
   return {points_[boundary_.pieces[piece].from], points_[boundary_.pieces[piece].to]};
 }
 
-FlatBoundary::Box FlatBoundary::box(std::uint32_t piece) const {
+FlatBoundary::PieceBox FlatBoundary::box(std::uint32_t piece) const {
   const auto [a, b] = segment(piece);
   return {
       {std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}, piece};
@@ -90,7 +90,7 @@ bool FlatBoundary::do_cross(std::uint32_t p, std::uint32_t q) const {
   const bool joined =
       other.from == one.from || other.from == one.to || other.to == one.from || other.to == one.to;
   if (joined) return false;
-  const Box b = box(p), c = box(q);
+  const PieceBox b = box(p), c = box(q);
   if (b.low.x > c.high.x || c.low.x > b.high.x || !overlap_in_y(b, c)) return false;
   const auto [p0, p1] = segment(p);
   const auto [q0, q1] = segment(q);

@@ -35,11 +35,11 @@ class FlatBoundary {
  private:
   // The straight segment of a piece, and the box around it.
   std::array<PlanePoint, 2> segment(std::uint32_t piece) const;
-  struct Box {
+  struct PieceBox {
     PlanePoint low, high;
     std::uint32_t piece;
   };
-  Box box(std::uint32_t piece) const;
+  PieceBox box(std::uint32_t piece) const;
   bool do_cross(std::uint32_t p, std::uint32_t q) const;
 
   const PatchBoundary& boundary_;

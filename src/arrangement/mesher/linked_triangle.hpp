@@ -1,10 +1,13 @@
-// Triangles as plain arrays of indices that know their neighbours, and the flip of an edge. For
-// host and device. Both the triangulation in the plane and the smoothing on the sphere use them.
+// Triangles as plain arrays of indices that know their neighbours, the flip of an edge, and places
+// in a triangulation of the plane. For host and device. Both the triangulation in the plane and the
+// smoothing on the sphere use the triangles.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
+#include "arrangement/mesher/patch_vector.hpp"
+#include "arrangement/mesher/plane_predicates.hpp"
 #include "core/host_device.hpp"
 
 namespace vdwmesh {
@@ -75,5 +78,36 @@ VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uin
 VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uint32_t k) {
   flip(triangles, t, k, triangles[triangles[t].neighbors[k]].corner_opposite(t));
 }
+
+// Places in a triangulation of the plane, and what became of insertions into it.
+// PlaneTriangulation has them as members.
+struct PlaneTypes {
+  // An edge of a triangle by the number of the opposite corner.
+  struct TriangleEdge {
+    std::uint32_t triangle, corner;
+  };
+  enum class Place : std::uint8_t { inside, on_edge, on_vertex, outside };
+  // Where a point lies. `corner` is that of the vertex, or opposite to the edge, that it lies on.
+  struct Location {
+    std::uint32_t triangle, corner;
+    Place place;
+  };
+  // What became of a piece that should be an edge. It is crossed by another piece, or joins the
+  // same points as another one, or a third point lies on it; only `inserted` makes it one. After a
+  // failure of bounded memory it is `blocked`, too.
+  enum class Outcome : std::uint8_t { inserted, doubled, crossing, blocked };
+  // The points and triangles, without marks. With resume() one can go on from there later.
+  struct State {
+    double largest = 0;
+    PatchVector<PlanePoint> points;
+    PatchVector<LinkedTriangle> triangles;
+    PatchVector<std::uint32_t> star;
+  };
+  // An edge between two vertices, and the triangle that had it on its left when it was listed.
+  // Flips may have changed that triangle since.
+  struct ListedEdge {
+    std::uint32_t from, to, triangle;
+  };
+};
 
 }  // namespace vdwmesh

@@ -18,17 +18,21 @@ namespace {
 constexpr std::uint32_t kMostPointsOfLook = 512;
 static_assert(kMostPointsOfLook < kReorderedPoints);
 
-struct LookBytes {
-  std::size_t input, state, work;
+// What a look needs, in bytes. Without points: the boundary has too many for a look.
+struct LookNeed {
+  PatchSizes sizes = {};
+  std::size_t input = 0, state = 0, work = 0;
 };
 
-LookBytes bytes_of(const PatchSizes& sizes) {
+LookNeed need_of(const PatchSizes& sizes) {
   ArrayPlaces input(nullptr), state(nullptr), work(nullptr);
   PatchWork<BoundedMemory> arrays;
-  boundary_input(sizes, input);
-  look_state(sizes, state);
+  PatchInput in;
+  place_boundary(sizes, input, in);
+  place_plane(capacity(sizes, PatchArray::plane_points), capacity(sizes, PatchArray::triangles),
+              state, in);
   place_look(sizes, nullptr, work, arrays);
-  return {input.bytes(), state.bytes(), work.bytes()};
+  return {sizes, input.bytes(), state.bytes(), work.bytes()};
 }
 
 // What a look takes on a device besides, with its requests in one list.
@@ -40,22 +44,16 @@ std::size_t other_bytes(const PatchSizes& sizes) {
 }  // namespace
 
 LookBatch::LookBatch(std::span<const LookJob> jobs, std::uint64_t most_bytes) : jobs_(jobs) {
-  // What a job needs, found on all cores. Without points: it has too many for a look.
-  struct Need {
-    PatchSizes sizes = {};
-    LookBytes bytes = {};
-  };
-  std::vector<Need> needs(jobs.size());
+  std::vector<LookNeed> needs(jobs.size());  // found on all cores
   for_each_index(jobs.size(), [&](std::size_t j) {
     const PatchSizes sizes = look_sizes(jobs[j].progress->boundary);
-    if (sizes.points <= kMostPointsOfLook) needs[j] = {sizes, bytes_of(sizes)};
+    if (sizes.points <= kMostPointsOfLook) needs[j] = need_of(sizes);
   });
   std::uint64_t bytes = 0;
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
     if (needs[j].sizes.points == 0) continue;
-    const LookBytes& own = needs[j].bytes;
-    const std::uint64_t with =
-        bytes + own.input + own.state + own.work + other_bytes(needs[j].sizes);
+    const LookNeed& own = needs[j];
+    const std::uint64_t with = bytes + own.input + own.state + own.work + other_bytes(own.sizes);
     if (with > most_bytes) continue;
     bytes = with;
     order_.push_back(j);
@@ -65,19 +63,21 @@ LookBatch::LookBatch(std::span<const LookJob> jobs, std::uint64_t most_bytes) : 
   });
   looks_.reserve(order_.size());
   for (const std::uint32_t j : order_) {
-    const auto& [sizes, own] = needs[j];
-    looks_.push_back({sizes, input_bytes_, state_bytes_, work_bytes_, jobs[j].edge_length});
+    const LookNeed& own = needs[j];
+    looks_.push_back({own.sizes, input_bytes_, state_bytes_, work_bytes_, jobs[j].edge_length});
     input_bytes_ += own.input;
     state_bytes_ += own.state;
     work_bytes_ += own.work;
-    most_requests_ += capacity(sizes, PatchArray::requests);
+    most_requests_ += capacity(own.sizes, PatchArray::requests);
   }
 }
 
 void LookBatch::pack(std::byte* input) const {
   tbb::parallel_for(std::size_t{0}, looks_.size(), [&](std::size_t i) {
     ArrayPlaces places(input + looks_[i].input);
-    pack_boundary(jobs_[order_[i]].progress->boundary, boundary_input(looks_[i].sizes, places));
+    PatchInput to;
+    place_boundary(looks_[i].sizes, places, to);
+    pack_boundary(jobs_[order_[i]].progress->boundary, to);
   });
 }
 
@@ -86,12 +86,15 @@ PatchVector<PieceSplit> LookBatch::finish(std::size_t i, std::byte* states,
   const LookJob& job = jobs_[order_[i]];
   const PatchSizes& sizes = looks_[i].sizes;
   ArrayPlaces places(states + looks_[i].state);
-  const LookState from = look_state(sizes, places);
+  const std::uint32_t points = capacity(sizes, PatchArray::plane_points),
+                      triangles = capacity(sizes, PatchArray::triangles);
+  PatchInput from;
+  place_plane(points, triangles, places, from);
   PlaneTypes::State& plane = job.progress->plane;
   make_room_for_splits(sizes.points, plane);
-  plane.points.assign(from.points, from.points + capacity(sizes, PatchArray::plane_points));
-  plane.triangles.assign(from.triangles, from.triangles + capacity(sizes, PatchArray::triangles));
-  plane.star.assign(from.star, from.star + capacity(sizes, PatchArray::plane_points));
+  plane.points.assign(from.plane_points, from.plane_points + points);
+  plane.triangles.assign(from.triangles, from.triangles + triangles);
+  plane.star.assign(from.star, from.star + points);
   plane.largest = plane.points[1].x;
   job.progress->is_triangulated = true;
   PatchVector<PieceSplit> splits(requests.begin(), requests.end());

@@ -36,7 +36,7 @@ FirstNumbers number_patches(const MeshedPatches& meshed, std::uint64_t boundary_
 // The device writes what it has kept, while the host writes corners and arcs; then come the patches
 // of the host, over whatever the device has written there.
 void fill(const MeshPlacement& placement, const MeshedPatches& meshed, const FirstNumbers& first,
-          const DevicePatches::Places& places, IndexedMesh& mesh) {
+          const PatchDispatch::Places& places, IndexedMesh& mesh) {
   const auto place_arcs = [&] {
     placement.place_corners(mesh);
     placement.place_arcs(mesh);
@@ -68,7 +68,7 @@ UnnumberedPiece assemble(MeshPlacement& placement, const MeshedPatches& meshed,
   piece.own = {placement.corners(), placement.points(), first.vertex.back() - boundary};
   piece.elsewhere = placement.elsewhere();
   check_vertices(first.vertex.back() + piece.elsewhere.size());
-  const DevicePatches::Places places{meshed.balls, first.vertex, first.triangle,
+  const PatchDispatch::Places places{meshed.balls, first.vertex, first.triangle,
                                      meshed.sampling.first_vertices()};
   if (!stays_on_device) {
     make_room(piece.mesh, {first.vertex.back(), first.triangle.back()}, kPatchArrays);

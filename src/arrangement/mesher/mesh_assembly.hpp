@@ -16,7 +16,7 @@ struct MeshedPatches {
   const PlacedBalls& balls;
   const ArcSampling& sampling;      // with numbered vertices
   std::span<PatchMesh> patches;     // by ball; empty for balls without, and for those of the device
-  DevicePatches* device = nullptr;  // if there is one
+  PatchDispatch* device = nullptr;  // if there is one
   // By ball: what the rounds needed. It is freed while a device writes.
   std::span<std::unique_ptr<PatchProgress>> progress;
 };

@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-#include "arrangement/mesher/mesh_share.hpp"
+#include "arrangement/mesher/mesh_borders.hpp"
 #include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "surface/indexed_mesh.hpp"

@@ -26,7 +26,7 @@ struct ArrangedPart {
 };
 
 // Cuts the set into as many parts as there are processes, of about equal work, each a run along the
-// curve of the frame (part_cuts.hpp); arranges the one with this number. Every process has all
+// curve of the frame; arranges the one with this number. Every process has all
 // spheres. Throws what arrange() throws.
 ArrangedPart arrange_part(const SphereSet& spheres, std::size_t number, std::size_t parts,
                           const ExactMeshOptions& options);

@@ -16,15 +16,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMargin = 3;  // degrees; see AngleBound::sine_before_smoothing()
 
-// Squared sine of the least angle. It lies between the two longest edges, and twice the area is the
-// product of their lengths and its sine.
-double least_squared_sine(const std::array<Vec3d, 3>& p) {
-  std::array<double, 3> edges{squared_norm(p[2] - p[1]), squared_norm(p[0] - p[2]),
-                              squared_norm(p[1] - p[0])};
-  std::ranges::sort(edges);
-  return squared_norm(cross(p[1] - p[0], p[2] - p[0])) / (edges[1] * edges[2]);
-}
-
 }  // namespace
 
 double argument(double re, double im) { return arcs::arguments(all_lanes(re), all_lanes(im))[0]; }
@@ -33,23 +24,37 @@ double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   return argument(dot(a, b) - dot(apex, a) * dot(apex, b), dot(apex, cross(a, b)));
 }
 
-double chord_of(const PatchBoundaryView& boundary, std::uint32_t piece) {
-  const BoundaryPiece& p = boundary.pieces[piece];
-  return norm(boundary.points[p.to] - boundary.points[p.from]);
+std::uint32_t PieceChords::longest_at_vertices(const LinkedTriangle& t, std::uint32_t but) const {
+  if (at_points_.size() == 0) {
+    at_points_.fill(boundary_.points.size(), [&](const auto& visit) {
+      for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
+        visit(boundary_.pieces[p].from, p);
+        visit(boundary_.pieces[p].to, p);
+      }
+    });
+  }
+  std::uint32_t longest = kNoPiece;
+  for (const std::uint32_t v : t.vertices) {
+    if (v >= at_points_.size()) continue;  // inside the patch
+    for (const std::uint32_t p : at_points_[v]) {
+      if (p == but || p == longest) continue;
+      longest = p < longest ? longer(p, longest) : longer(longest, p);
+    }
+  }
+  return longest;
 }
 
 AngleBound::AngleBound(const PatchBoundaryView& boundary, double angle, double edge_length)
     : boundary_(boundary),
+      chords_(boundary),
       sine_(std::sin(angle)),
       sine_before_smoothing_(std::sin(angle + kDegree * kMargin)),
       shortest_(kShortestForAngles * edge_length) {
   find_sharp_corners();
 }
 
-double AngleBound::chord(std::uint32_t piece) const { return chord_of(boundary_, piece); }
-
 void AngleBound::take(std::uint32_t piece, PatchVector<PieceSplit>& found) const {
-  if (piece != kNoPiece && chord(piece) > shortest_)
+  if (piece != kNoPiece && chords_.of(piece) > shortest_)
     found.push_back({boundary_.pieces[piece].source, 1});
 }
 
@@ -81,14 +86,17 @@ void AngleBound::find_sharp_corners() {
     }
     if (!(least < kLargest)) continue;
     // A little more, since rounding must not excuse one of two triangles that are mirror images.
-    const double reach = (1 + 1e-6) * kShells * std::max(chord(p), chord(next));
+    const double reach = (1 + 1e-6) * kShells * std::max(chords_.of(p), chords_.of(next));
     sharp_.push_back({apex, reach * reach});
   }
 }
 
 AngleBound::Verdict AngleBound::judge(const std::array<Vec3d, 3>& p) const {
-  if (least_squared_sine(p) >= sine_ * sine_) return Verdict::fine;
-  const bool is_excused = std::ranges::any_of(sharp_, [&](const Corner& corner) {
+  const Vec3d a = p[1] - p[0], b = p[2] - p[0];
+  const double squared_sine = least_squared_sine(
+      squared_norm(a), squared_norm(b), squared_norm(p[2] - p[1]), squared_norm(cross(a, b)));
+  if (squared_sine >= sine_ * sine_) return Verdict::fine;
+  const bool is_excused = std::ranges::any_of(sharp_, [&](const SharpCorner& corner) {
     return std::ranges::all_of(p, [&](const Vec3d& vertex) {
       return squared_norm(vertex - corner.position) <= corner.squared_reach;
     });
@@ -110,7 +118,8 @@ void AngleBound::find_in_plane(PlaneTriangulation& plane, std::span<const Vec3d>
 
 // Of the pieces around the triangles that the circumcentre would replace, one with the circumcentre
 // on its other side comes first; of several, the one seen under the widest angle. If there is none,
-// the widest one counts if it is wide enough to keep the circumcentre out.
+// the widest one counts if it is wide enough to keep the circumcentre out, by the same angle as in
+// PatchTriangulator::encroaches(), which needs no piece and therefore no quotient.
 std::uint32_t AngleBound::piece_in_the_way(PlaneTriangulation& plane, std::span<const Vec3d> points,
                                            const Stereographic& projection, std::uint32_t t) const {
   const auto& v = plane.triangle(t).vertices;
@@ -150,18 +159,8 @@ void AngleBound::find_in_patch(const PatchTriangles& patch, PatchVector<PieceSpl
 
 std::uint32_t AngleBound::longest_piece_at(const LinkedTriangle& t) const {
   std::uint32_t longest = kNoPiece;
-  const auto keep_longer = [&](std::uint32_t piece) {
-    if (longest == kNoPiece || chord(piece) > chord(longest)) longest = piece;
-  };
-  for (const std::uint32_t piece : t.pieces) {
-    if (piece != kNoPiece) keep_longer(piece);
-  }
-  if (longest != kNoPiece) return longest;
-  const auto is_vertex = [&](std::uint32_t i) { return std::ranges::count(t.vertices, i) > 0; };
-  for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
-    if (is_vertex(boundary_.pieces[p].from) || is_vertex(boundary_.pieces[p].to)) keep_longer(p);
-  }
-  return longest;
+  for (const std::uint32_t piece : t.pieces) longest = chords_.longer(longest, piece);
+  return longest != kNoPiece ? longest : chords_.longest_at_vertices(t);
 }
 
 SmallAngles AngleBound::count(const PatchTriangles& patch) const {

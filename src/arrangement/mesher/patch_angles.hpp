@@ -24,6 +24,7 @@
 #include "arrangement/mesher/patch_triangles.hpp"
 #include "arrangement/mesher/patch_vector.hpp"
 #include "arrangement/mesher/plane_triangulation.hpp"
+#include "arrangement/mesher/row_lists.hpp"
 #include "arrangement/mesher/stereographic.hpp"
 
 namespace vdwmesh {
@@ -50,8 +51,28 @@ double argument(double re, double im);
 // The angle by which direction a must be turned counter-clockwise to come to b, as seen from
 // outside at the point `apex` of the unit sphere; from 0 to a whole turn.
 double turn(const Vec3d& apex, const Vec3d& a, const Vec3d& b);
-// The length of a piece's chord, on the unit sphere.
-double chord_of(const PatchBoundaryView& boundary, std::uint32_t piece);
+
+// The lengths of a boundary's pieces, on the unit sphere, and the longest of some. Keeps a view.
+class PieceChords {
+ public:
+  explicit PieceChords(const PatchBoundaryView& boundary) : boundary_(boundary) {}
+  double of(std::uint32_t piece) const {
+    const BoundaryPiece& p = boundary_.pieces[piece];
+    return norm(boundary_.points[p.to] - boundary_.points[p.from]);
+  }
+  // The longer one of two pieces, the first one if they are equal. kNoPiece is none.
+  std::uint32_t longer(std::uint32_t one, std::uint32_t other) const {
+    if (other == kNoPiece) return one;
+    return one == kNoPiece || of(other) > of(one) ? other : one;
+  }
+  // Of all pieces but one that end in a vertex of the triangle, the longest; of equal ones the
+  // first of the boundary. The pieces at each point are listed when they are first asked for.
+  std::uint32_t longest_at_vertices(const LinkedTriangle& t, std::uint32_t but = kNoPiece) const;
+
+ private:
+  PatchBoundaryView boundary_;
+  mutable RowLists at_points_;
+};
 
 class AngleBound {
  public:
@@ -76,7 +97,7 @@ class AngleBound {
   SmallAngles count(const PatchTriangles& patch) const;
 
  private:
-  struct Corner {
+  struct SharpCorner {
     Vec3d position;
     double squared_reach;
   };
@@ -84,7 +105,6 @@ class AngleBound {
 
   void find_sharp_corners();
   Verdict judge(const std::array<Vec3d, 3>& p) const;
-  double chord(std::uint32_t piece) const;
   void take(std::uint32_t piece, PatchVector<PieceSplit>& found) const;
   std::uint32_t piece_in_the_way(PlaneTriangulation& plane, std::span<const Vec3d> points,
                                  const Stereographic& projection, std::uint32_t t) const;
@@ -92,8 +112,9 @@ class AngleBound {
   std::uint32_t longest_piece_at(const LinkedTriangle& t) const;
 
   PatchBoundaryView boundary_;
+  PieceChords chords_;
   double sine_, sine_before_smoothing_, shortest_;
-  std::vector<Corner> sharp_;
+  std::vector<SharpCorner> sharp_;
 };
 
 }  // namespace vdwmesh

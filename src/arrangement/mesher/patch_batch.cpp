@@ -39,7 +39,7 @@ void copy(const PatchVector<From>& from, To* to) {
 
 }  // namespace
 
-void pack_boundary(const PatchBoundary& from, const BoundaryInput& to) {
+void pack_boundary(const PatchBoundary& from, const PatchInput& to) {
   copy(from.points, to.points);
   copy(from.pieces, to.pieces);
   copy(from.caps, to.caps);
@@ -79,11 +79,11 @@ std::uint64_t device_bytes(const PatchSizes& sizes) {
 
 std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
                                                    std::uint64_t batch_bytes) {
-  struct Need {
+  struct BatchNeed {
     std::uint64_t bytes = 0;  // 0: not for a device
     std::uint32_t parts = 0;  // of an edge of its icosahedron
   };
-  std::vector<Need> needs(jobs.size());
+  std::vector<BatchNeed> needs(jobs.size());
   for_each_index(jobs.size(), [&](std::size_t j) {
     if (jobs[j].is_withdrawn) return;
     const std::uint32_t parts = SpherePoints::parts(clamped_edge(jobs[j]));
@@ -95,11 +95,11 @@ std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> job
   std::vector<std::vector<std::uint32_t>> batches;
   std::bitset<kMostParts + 1> lattices;  // of the last batch
   std::uint64_t bytes = 0;               // of the last batch
-  const auto with = [&](const Need& need) {
+  const auto with = [&](const BatchNeed& need) {
     return bytes + need.bytes + (lattices[need.parts] ? 0 : lattice_bytes(need.parts));
   };
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
-    const Need& need = needs[j];
+    const BatchNeed& need = needs[j];
     if (need.bytes == 0) continue;
     if (batches.empty() || with(need) > batch_bytes || batches.back().size() == kPatchesOfBatch) {
       batches.emplace_back();
@@ -168,13 +168,13 @@ DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, HostWork host, doub
 PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint32_t> which)
     : jobs_(jobs) {
   // What a job needs, found on all cores.
-  struct Need {
+  struct PackedJob {
     std::uint32_t job, parts;
     PatchSizes sizes;
     std::size_t input_bytes, work_bytes;
     bool is_withdrawn;
   };
-  std::vector<Need> needs(which.size());
+  std::vector<PackedJob> needs(which.size());
   for_each_index(which.size(), [&](std::size_t i) {
     const PatchJob& job = jobs[which[i]];
     needs[i].is_withdrawn = job.is_withdrawn;
@@ -189,15 +189,15 @@ PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint
                 vdwmesh::work_bytes(sizes),
                 false};
   });
-  std::erase_if(needs, [](const Need& need) { return need.is_withdrawn; });
+  std::erase_if(needs, [](const PackedJob& need) { return need.is_withdrawn; });
   // Patches of equal size stay in the order of their jobs.
-  tbb::parallel_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
+  tbb::parallel_sort(needs.begin(), needs.end(), [](const PackedJob& a, const PackedJob& b) {
     return std::pair(b.sizes.most_points, a.job) < std::pair(a.sizes.most_points, b.job);
   });
   lattices_.resize(kMostParts + 1);
   order_.reserve(which.size());
   patches_.reserve(which.size());
-  for (const Need& need : needs) {
+  for (const PackedJob& need : needs) {
     const PatchJob& job = jobs[need.job];
     if (need.parts > kMostParts) continue;
     add_lattice(need.parts, clamped_edge(job));
@@ -225,7 +225,7 @@ void PatchBatch::pack(std::byte* input) const {
     const PatchProgress& from = *jobs_[order_[i]].progress;
     ArrayPlaces places(input + patches_[i].input);
     const PatchInput to = patch_input(patches_[i].sizes, places);
-    pack_boundary(from.boundary, to.boundary);
+    pack_boundary(from.boundary, to);
     copy(from.plane.points, to.plane_points);
     copy(from.plane.star, to.star);
     copy(from.plane.triangles, to.triangles);

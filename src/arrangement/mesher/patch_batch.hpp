@@ -20,7 +20,7 @@ PatchSizes sizes_of(const PatchJob& job);
 bool is_for_device(const PatchSizes& sizes);
 
 // Copies a boundary to its place among packed ones.
-void pack_boundary(const PatchBoundary& from, const BoundaryInput& to);
+void pack_boundary(const PatchBoundary& from, const PatchInput& to);
 
 // How a device divides the memory that it may take: half of it is for results that it keeps, and a
 // quarter for each of the two batches that it works on.

@@ -15,8 +15,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "arrangement/mesher/exact_plane_predicates.hpp"
 #include "arrangement/mesher/patch_vector.hpp"
+#include "arrangement/mesher/plane_predicates.hpp"
 #include "core/host_device.hpp"
 
 namespace vdwmesh {

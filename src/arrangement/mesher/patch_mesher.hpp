@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "arrangement/mesher/angle_floors.hpp"
@@ -74,13 +75,9 @@ class SpherePoints {
   const std::vector<Vec3d>& points(double edge_length, const CapMargins<GrowingMemory>& margins);
 
  private:
-  struct Kept {
-    std::uint32_t parts = 0;
-    std::vector<Vec3d> points;
-  };
   // By the number of parts of an edge, modulo 8. Of several numbers that fall into one element, it
-  // keeps the points for the one asked for last.
-  std::array<Kept, 8> kept_;
+  // keeps it and the points for the one asked for last.
+  std::array<std::pair<std::uint32_t, std::vector<Vec3d>>, 8> kept_;
   std::vector<Vec3d> some_;
 };
 

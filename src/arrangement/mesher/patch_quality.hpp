@@ -52,12 +52,24 @@ VDWMESH_HD inline Vec3d circumcenter(const std::array<Vec3d, 3>& p) {
   return unit(is_small ? flat : normal);
 }
 
+// Squared sine of the least angle of a triangle, by its squared edges x, y, z and the square of
+// twice its area. The least angle is at most 60°, so comparing sines compares angles. It lies
+// between the two longest edges, and its sine is twice the area divided by the product of their
+// lengths.
+VDWMESH_HD inline double least_squared_sine(double x, double y, double z,
+                                            double squared_double_area) {
+  // The longest of x and y, times the longer of the two others.
+  const double two_longest = std::max(x, y) * std::max(std::min(x, y), z);
+  return squared_double_area / two_longest;
+}
+
 // Whether a triangle with vertices p is bad: too large, or with too small an angle. constrained[k]
 // says whether the edge opposite to vertex k is a piece of the boundary. A small angle between two
 // pieces is given by the patch and does not make a triangle bad.
 //
 // With A the area, a, b, c the lengths of the edges and R the circumradius: R = a b c / (4 A). The
-// least angle lies opposite to the shortest edge s, and its sine is s / (2 R).
+// least angle lies opposite to the shortest edge s, and its sine is s / (2 R). So with R, which is
+// wanted anyway, it needs no least_squared_sine().
 VDWMESH_HD inline bool is_bad(const std::array<Vec3d, 3>& p, const std::array<bool, 3>& constrained,
                               double edge_length, double bad_sine = kBadAngleSine) {
   const std::array<double, 3> edge{squared_norm(p[2] - p[1]), squared_norm(p[0] - p[2]),

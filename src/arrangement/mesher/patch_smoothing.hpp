@@ -5,8 +5,8 @@
 // criterion on the flat triangles: the two angles opposite to an edge must not add up to more than
 // half a turn. patch_triangulator.hpp calls smooth() and then find_defects() at the end of a patch.
 //
-// The templates are for patch_triangles.cpp, which compiles them for the host, and for the kernels
-// of the device.
+// The templates are for plane_triangulation.cpp, which compiles them for the host, and for the
+// kernels of the device.
 #pragma once
 
 #include <algorithm>
@@ -38,14 +38,9 @@ struct StarTriangle {
   VDWMESH_HD StarTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b)
       : pa(a - p), pb(b - p), ab(b - a), normal(cross(pa, pb)) {}
 
-  // Squared sine of the least angle. The least angle is at most 60°, so comparing sines compares
-  // angles. It lies between the two longest edges, and its sine is twice the area divided by the
-  // product of their lengths.
   VDWMESH_HD double least_squared_sine() const {
-    const double x = squared_norm(pa), y = squared_norm(pb), z = squared_norm(ab);
-    // The longest of x and y, times the longer of the two others.
-    const double two_longest = std::max(x, y) * std::max(std::min(x, y), z);
-    return squared_norm(normal) / two_longest;
+    return vdwmesh::least_squared_sine(squared_norm(pa), squared_norm(pb), squared_norm(ab),
+                                       squared_norm(normal));
   }
 };
 
@@ -97,8 +92,7 @@ class Smoother {
         circles_(circles),
         points_(patch.points),
         triangles_(patch.triangles),
-        first_(scratch.first),
-        star_(scratch.star),
+        stars_(scratch.stars),
         changed_(scratch.changed),
         sweep_(scratch.sweep) {}
 
@@ -111,24 +105,19 @@ class Smoother {
   }
 
  private:
-  // Lists the triangles around each vertex, its star, as compressed sparse rows. Flips change the
-  // stars, so they are listed anew in each pass.
+  // Lists the triangles around each vertex, its star. Flips change the stars, so they are listed
+  // anew in each pass.
   VDWMESH_HD void index_stars() {
-    // While triangles are placed, first_[v + 1] is the next free place of vertex v.
-    first_.assign(points_.size() + 2, 0);
-    for (const LinkedTriangle& t : triangles_) {
-      for (const std::uint32_t v : t.vertices) ++first_[v + 2];
-    }
-    for (std::size_t v = 0; v < points_.size(); ++v) first_[v + 2] += first_[v + 1];
-    star_.resize(first_.back());
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      for (const std::uint32_t v : triangles_[t].vertices) star_[first_[v + 1]++] = t;
-    }
+    stars_.fill(points_.size(), [&](const auto& visit) {
+      for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+        for (const std::uint32_t v : triangles_[t].vertices) visit(v, t);
+      }
+    });
   }
 
-  // The two other vertices of triangle i of star_ around v, counter-clockwise.
-  VDWMESH_HD std::array<const Vec3d*, 2> others(std::uint32_t v, std::uint32_t i) const {
-    const LinkedTriangle& t = triangles_[star_[i]];
+  // The two other vertices of a triangle around v, counter-clockwise.
+  VDWMESH_HD std::array<const Vec3d*, 2> others(std::uint32_t v, std::uint32_t of) const {
+    const LinkedTriangle& t = triangles_[of];
     const std::uint32_t k = t.corner_at(v);
     return {&points_[t.vertices[corner_after(k)]], &points_[t.vertices[corner_before(k)]]};
   }
@@ -136,7 +125,7 @@ class Smoother {
   // Whether all triangles around vertex v would face outwards if v were at p, and all their angles
   // would have squared sines above `enough`.
   VDWMESH_HD bool is_better(std::uint32_t v, const Vec3d& p, double enough) const {
-    for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
+    for (const std::uint32_t i : stars_[v]) {
       const auto [a, b] = others(v, i);
       const StarTriangle t(p, *a, *b);
       if (!(dot(p, t.normal) > 0) || !(t.least_squared_sine() > enough)) return false;
@@ -152,7 +141,7 @@ class Smoother {
     const Vec3d old = points_[v];
     Vec3d sum{0, 0, 0};
     double least = 1;
-    for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
+    for (const std::uint32_t i : stars_[v]) {
       const auto [a, b] = others(v, i);
       const StarTriangle t(old, *a, *b);
       sum = sum + norm(t.normal) * (old + *a + *b);
@@ -220,7 +209,8 @@ class Smoother {
   const PointCirclesOf<Memory>& circles_;
   typename Memory::template Array<Vec3d>& points_;
   typename Memory::template Array<LinkedTriangle>& triangles_;
-  typename Memory::template Array<std::uint32_t>&first_, &star_, &changed_, &sweep_;  // scratch
+  RowListsOf<Memory>& stars_;  // scratch, as the others
+  typename Memory::template Array<std::uint32_t>&changed_, &sweep_;
 };
 
 // Collects the pieces to split, triangle by triangle; see find_defects() in the header.

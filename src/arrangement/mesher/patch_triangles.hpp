@@ -9,6 +9,7 @@
 #include "arrangement/mesher/linked_triangle.hpp"
 #include "arrangement/mesher/patch_memory.hpp"
 #include "arrangement/mesher/point_circles.hpp"
+#include "arrangement/mesher/row_lists.hpp"
 
 namespace vdwmesh {
 
@@ -25,8 +26,7 @@ using PatchTriangles = PatchTrianglesOf<GrowingMemory>;
 // Memory for smooth(), kept for the next patch.
 template <class Memory>
 struct SmoothingScratchOf {
-  // Triangles around vertex v: star[first[v]] .. star[first[v + 1] - 1].
-  typename Memory::template Array<std::uint32_t> first, star;
+  RowListsOf<Memory> stars;  // the triangles around each vertex
   // Triangles that flips have made, and those of the sweep before.
   typename Memory::template Array<std::uint32_t> changed, sweep;
 };
@@ -41,7 +41,7 @@ template <class Memory>
 VDWMESH_HD void smooth(const PatchBoundaryView& boundary, const PointCirclesOf<Memory>& circles,
                        int passes, SmoothingScratchOf<Memory>& scratch,
                        PatchTrianglesOf<Memory>& patch);
-// Those of the host are compiled in patch_triangles.cpp.
+// Those of the host are compiled in plane_triangulation.cpp.
 template <>
 void smooth(const PatchBoundaryView& boundary, const PointCircles& circles, int passes,
             SmoothingScratch& scratch, PatchTriangles& patch);

@@ -25,9 +25,9 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/inside_marks.hpp"
 #include "arrangement/mesher/patch_angles.hpp"
+#include "arrangement/mesher/patch_leaks.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_work.hpp"
-#include "arrangement/mesher/piece_lens.hpp"
 #include "arrangement/mesher/stereographic.hpp"
 #include "core/monitor.hpp"
 #include "core/steps.hpp"
@@ -160,26 +160,10 @@ class PatchTriangulator {
     return false;
   }
 
-  // Lists every piece in work_.pieces, as 4 t + k for the triangle t on its left, whose edge k it
-  // is.
-  VDWMESH_HD void list_pieces() {
-    work_.pieces.clear();
-    const std::span<const LinkedTriangle> triangles = plane_.triangles();
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      const LinkedTriangle& w = triangles[t];
-      // All bits of kNoPiece are set.
-      if ((w.pieces[0] & w.pieces[1] & w.pieces[2]) == kNoPiece) continue;
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const bool is_left = w.pieces[k] != kNoPiece &&
-                             boundary_.pieces[w.pieces[k]].from == w.vertices[corner_after(k)];
-        if (is_left) work_.pieces.push_back(4 * t + k);
-      }
-    }
-  }
-  // Calls visit(t, k) for those listed.
+  // Calls visit(t, k) for the triangle t on the left of each piece, whose edge k that is.
   template <class Visit>
   VDWMESH_HD void visit_pieces(const Visit& visit) const {
-    for (const std::uint32_t listed : work_.pieces) visit(listed / 4, listed % 4);
+    visit_listed_pieces(work_.pieces, visit);
   }
 
   // Marks the triangles inside the patch: those on the left of a piece, and all that can be reached
@@ -187,77 +171,13 @@ class PatchTriangulator {
   // splits are asked for, if the marks have leaked out of the patch.
   VDWMESH_HD bool mark_inside() {
     numbers_.clear();
-    list_pieces();
+    list_pieces(boundary_, plane_, work_.pieces);
     visit_pieces([&](std::uint32_t t, std::uint32_t) { mark_and_list(plane_, t, numbers_); });
     mark_reachable(plane_, numbers_);
-    split_leaks();
+    split_leaks(
+        boundary_, projection_, work_, [&](std::uint32_t piece) { want_split(piece); },
+        [&] { count_steps(1); });
     return splits_.empty();
-  }
-
-  // Asks for splits if marks have leaked out of the patch. It shows at pieces with marked triangles
-  // on both sides, or with a corner of the frame on their left. To blame are pieces so coarse that
-  // a point of the boundary lies in the lens between the piece and its arc: all of these are split.
-  // They need not be leaking themselves. In a narrow part of the patch that a loop of its own
-  // bounds, the chord of one arc may pass beyond the other arc, and turn the loop around: then all
-  // of the patch is marked on the wrong side but at the pieces of this loop.
-  //
-  // There is such a piece. Let all arcs shrink to their chords at once, each through the circular
-  // arcs between the same ends. If no lens has a point in it, no arc passes over a point meanwhile.
-  // Two arcs may come to cross only in pairs of crossings, which have to vanish in the same pairs,
-  // because neither the arcs nor, at last, the pieces cross. So the pieces divide the sphere as the
-  // arcs do, and marks do not leak.
-  //
-  // And it comes to an end: a point at the distance d from an arc is in no lens lower than d, and
-  // the height of a lens falls by a factor of four with each split.
-  VDWMESH_HD void split_leaks() {
-    Array<std::uint32_t>& leaks = numbers_;
-    leaks.clear();
-    double longest = 0;
-    visit_pieces([&](std::uint32_t t, std::uint32_t k) {
-      const LinkedTriangle& w = plane_.triangle(t);
-      if (!plane_.is_inside(w.neighbors[k]) && !plane_.touches_frame(t)) return;
-      leaks.push_back(w.pieces[k]);
-      longest = std::max(longest, chord(w.pieces[k]));
-    });
-    if (leaks.empty()) return;
-    visit_pieces([&](std::uint32_t t, std::uint32_t k) {
-      count_steps(1);
-      if (hides_a_point(t, plane_.triangle(t).pieces[k])) want_split(plane_.triangle(t).pieces[k]);
-    });
-    // A point may be so near to an arc that its lens is not seen to have it.
-    if (!splits_.empty()) return;
-    for (const std::uint32_t p : leaks) {
-      if (chord(p) >= longest / 2) want_split(p);
-    }
-  }
-
-  // Whether a point of the boundary lies between piece p, which triangle t has, and its arc. A
-  // point of the same circle does not. On the host only points near the piece are looked at.
-  VDWMESH_HD bool hides_a_point(std::uint32_t t, std::uint32_t p) {
-    const BoundaryPiece& piece = boundary_.pieces[p];
-    const PieceLens lens(points_[piece.from], points_[piece.to], piece.bulge, projection_);
-    const auto is_hidden = [&](std::uint32_t i) {
-      return lens.contains(plane_.point(i)) && !circles_.on(i, piece.neighbor);
-    };
-    if constexpr (Memory::kIsBounded) {
-      for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) {
-        if (is_hidden(i)) return true;
-      }
-      return false;
-    } else {
-      const std::size_t count = boundary_.points.size();  // corners of the frame have more
-      for (const std::uint32_t near : plane_.triangles_at_disk(lens.center(), lens.radius(), t)) {
-        for (const std::uint32_t i : plane_.triangle(near).vertices) {
-          if (i < count && is_hidden(i)) return true;
-        }
-      }
-      return false;
-    }
-  }
-
-  // The length of a piece on the unit sphere.
-  VDWMESH_HD double chord(std::uint32_t p) const {
-    return norm(points_[boundary_.pieces[p].to] - points_[boundary_.pieces[p].from]);
   }
 
   // Step (2): asks for splits of pieces that are long compared with the width of the patch there.
@@ -379,7 +299,8 @@ class PatchTriangulator {
     plane_.visit_star(vertex, [&](std::uint32_t t) { queue_if_bad(t); });
   }
 
-  // Whether u is too near to a piece: whether it sees one under too wide an angle. Only pieces that
+  // Whether u is too near to a piece: whether it sees one under too wide an angle. (AngleBound asks
+  // which of them is seen under the widest one, and needs a quotient for that.) Only pieces that
   // would be edges of u's new triangles are tested; they bound the conflict zone, the triangles
   // that the insertion of u would replace.
   VDWMESH_HD bool encroaches(const Vec3d& u, const PlanePoint& p, const Location& at) {

@@ -69,8 +69,8 @@ struct PatchWork {
   VDWMESH_HD void visit_arrays(const Visit& visit) {
     visit_boundary_scratch(visit);
     plane.visit_state(visit);
-    visit(smoothing.first, PatchArray::star_rows);
-    visit(smoothing.star, PatchArray::star_entries);
+    smoothing.stars.visit_arrays([&](auto& rows) { visit(rows, PatchArray::star_rows); },
+                                 [&](auto& entries) { visit(entries, PatchArray::star_entries); });
     visit(smoothing.changed, PatchArray::lists);
     visit(smoothing.sweep, PatchArray::lists);
     visit(patch.triangles, PatchArray::triangles);

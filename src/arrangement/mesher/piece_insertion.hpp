@@ -16,7 +16,7 @@ namespace vdwmesh {
 // counter-clockwise, so on the left. Sides of the frame are not found.
 template <class Memory>
 VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge(std::uint32_t a, std::uint32_t b,
-                                                        Edge& edge) const {
+                                                        TriangleEdge& edge) const {
   if (!is_frame(a)) return find_edge_at(a, b, edge);
   if (is_frame(b) || !find_edge_at(b, a, edge)) return false;
   const std::uint32_t n = triangles_[edge.triangle].neighbors[edge.corner];
@@ -28,7 +28,7 @@ VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge(std::uint32_t a, std::ui
 // star has the edge from a to b on its left, so the first one ends the search.
 template <class Memory>
 VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge_at(std::uint32_t a, std::uint32_t b,
-                                                           Edge& edge) const {
+                                                           TriangleEdge& edge) const {
   const std::uint32_t first = triangle_at(a);
   std::uint32_t t = first;
   do {
@@ -46,7 +46,7 @@ VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge_at(std::uint32_t a, std:
 // find_edge() for a listed edge: mostly its triangle still has it.
 template <class Memory>
 VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_listed(const ListedEdge& listed,
-                                                          Edge& edge) const {
+                                                          TriangleEdge& edge) const {
   const auto [a, b, t] = listed;
   const auto& v = triangles_[t].vertices;
   for (std::uint32_t k = 0; k < 3; ++k) {
@@ -58,7 +58,7 @@ VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_listed(const ListedEdge& list
 }
 
 template <class Memory>
-VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::set_piece(const Edge& edge,
+VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::set_piece(const TriangleEdge& edge,
                                                                        std::uint32_t piece) {
   LinkedTriangle& one = triangles_[edge.triangle];
   if (one.pieces[edge.corner] != kNoPiece) return Outcome::doubled;
@@ -72,7 +72,7 @@ template <class Memory>
 VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::insert_piece(std::uint32_t from,
                                                                           std::uint32_t to,
                                                                           std::uint32_t piece) {
-  Edge edge{};
+  TriangleEdge edge{};
   if (!find_edge(from, to, edge)) {
     const Outcome outcome = find_crossed(from, to);
     if (outcome != Outcome::inserted) return outcome;
@@ -90,7 +90,7 @@ VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::insert_piece(std::u
 template <class Memory>
 VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::first_crossed(std::uint32_t from,
                                                                            std::uint32_t to,
-                                                                           Edge& edge) {
+                                                                           TriangleEdge& edge) {
   Outcome outcome = Outcome::blocked;
   visit_star(from, [&](std::uint32_t t) {
     const LinkedTriangle& w = triangles_[t];
@@ -109,7 +109,7 @@ template <class Memory>
 VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::find_crossed(std::uint32_t from,
                                                                           std::uint32_t to) {
   crossed_.clear();
-  Edge edge{};
+  TriangleEdge edge{};
   if (const Outcome first = first_crossed(from, to, edge); first != Outcome::inserted) return first;
   while (true) {
     const LinkedTriangle& w = triangles_[edge.triangle];
@@ -135,7 +135,7 @@ VDWMESH_HD void PlaneTriangulationOf<Memory>::flip_crossed(std::uint32_t from, s
   flipped_.clear();
   for (std::size_t i = 0; i < crossed_.size() && !memory_.has_failed(); ++i) {
     const ListedEdge listed = crossed_[i];
-    Edge edge{};
+    TriangleEdge edge{};
     find_listed(listed, edge);
     const std::uint32_t b = listed.from, c = listed.to;
     const std::uint32_t t = edge.triangle, n = triangles_[t].neighbors[edge.corner];
@@ -162,7 +162,7 @@ VDWMESH_HD void PlaneTriangulationOf<Memory>::legalize_flipped(std::uint32_t fro
     const ListedEdge listed = flipped_.back();
     const std::uint32_t a = listed.from, b = listed.to;
     flipped_.pop_back();
-    Edge edge{};
+    TriangleEdge edge{};
     if ((a == from && b == to) || (a == to && b == from) || !find_listed(listed, edge)) continue;
     if (!should_flip(edge.triangle, edge.corner)) continue;
     const std::uint32_t t = edge.triangle, n = triangles_[t].neighbors[edge.corner];
@@ -178,7 +178,7 @@ VDWMESH_HD void PlaneTriangulationOf<Memory>::legalize_flipped(std::uint32_t fro
 
 template <class Memory>
 VDWMESH_HD void PlaneTriangulationOf<Memory>::remove_piece(std::uint32_t from, std::uint32_t to) {
-  Edge edge{};
+  TriangleEdge edge{};
   if (!find_edge(from, to, edge)) return;
   LinkedTriangle& one = triangles_[edge.triangle];
   LinkedTriangle& other = triangles_[one.neighbors[edge.corner]];

@@ -27,7 +27,7 @@ class PieceLens {
     const double tangent = tangent_of_bulge(sine, bulge);
     const double t = sine / (1 + cosine) * (tangent / (1 + std::sqrt(1 + tangent * tangent)));
     const Vec3d middle = (1 - t * t) * unit(a + b) + 2 * t * unit(cross(a, b - a));
-    const View view = view_from(projection.project(unit(middle)));
+    const ViewAngle view = view_from(projection.project(unit(middle)));
     cross_ = view.cross;
     dot_ = view.dot;
   }
@@ -36,7 +36,7 @@ class PieceLens {
   // piece under a wider angle than the arc does. Of two angles with positive sines the one with the
   // smaller cotangent is wider.
   VDWMESH_HD bool contains(const PlanePoint& q) const {
-    const View view = view_from(q);
+    const ViewAngle view = view_from(q);
     return view.cross * cross_ > 0 && view.dot * std::abs(cross_) < dot_ * std::abs(view.cross);
   }
 
@@ -52,10 +52,10 @@ class PieceLens {
  private:
   // The angle under which a point sees the piece: its cosine and sine times the same length. The
   // sine has the sign of the side.
-  struct View {
+  struct ViewAngle {
     double dot, cross;
   };
-  VDWMESH_HD View view_from(const PlanePoint& q) const {
+  VDWMESH_HD ViewAngle view_from(const PlanePoint& q) const {
     const double ax = a_.x - q.x, ay = a_.y - q.y, bx = b_.x - q.x, by = b_.y - q.y;
     return {ax * bx + ay * by, ax * by - ay * bx};
   }

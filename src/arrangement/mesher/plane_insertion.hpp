@@ -1,11 +1,23 @@
 // Insertion of points into the triangulation. piece_insertion.hpp inserts pieces.
 //
-// A point is found by a walk from a triangle near it. The triangle is split into three, and edges
-// opposite to the point are flipped while they are not Delaunay.
+// A piece is an edge that must stay. An edge is Delaunay if the circle through the vertices of one
+// of its triangles does not have the opposite vertex of the other triangle inside. A flip takes the
+// edge between two triangles away and puts the other diagonal of their quadrilateral in its place.
+// A tie is an in-circle test of four points that lie on one circle, or on one but for kTie.
 //
-// Why this ends: an edge is flipped only if the fourth point lies strictly inside the circle, by an
-// exact test. Each flip then lowers the surface over the plane that has the height x² + y² at the
-// vertices, so no triangulation comes back. Edges that are kept because of labels do not matter.
+// insert() leaves a triangulation in which every edge is Delaunay that was so before, but pieces
+// and ties. It takes these steps:
+//
+// 1. locate() walks from a triangle near the point to the one that has it, across the edges beyond
+//    which the point lies.
+// 2. split() divides that triangle into three at the point. If the point lies on an edge, one of
+//    the three is flat, and a flip of the edge removes it.
+// 3. legalize_around_new() flips the edges opposite to the point while they are not Delaunay.
+//
+// Step 3 ends. An edge is flipped only if the fourth point lies strictly inside the circle, by an
+// exact test. Lift every vertex to the height x² + y² above the plane: then each flip lowers the
+// surface of the lifted triangles. So no triangulation comes back, and there are finitely many.
+// Edges that stay because they are pieces or ties do not matter for this.
 //
 // The templates are for plane_triangulation.cpp, which compiles them for the host, and for the
 // kernels of the device.
@@ -170,7 +182,7 @@ VDWMESH_HD int PlaneTriangulationOf<Memory>::in_circle(const LinkedTriangle& t, 
 // Where p lies with respect to the edges of triangle t. The walk has come from triangle `from`, so
 // p is on the inner side of the edge to it.
 template <class Memory>
-VDWMESH_HD typename PlaneTriangulationOf<Memory>::Sides PlaneTriangulationOf<Memory>::sides(
+VDWMESH_HD typename PlaneTriangulationOf<Memory>::EdgeSides PlaneTriangulationOf<Memory>::sides(
     const PlanePoint& p, std::uint32_t t, std::uint32_t from) {
   const LinkedTriangle& w = triangles_[t];
   // A thread of a device tests all edges at once, as holds_for_any() tests all caps.
@@ -226,7 +238,7 @@ VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::locate_here(const 
   if (!(std::abs(p.x) <= largest_ && std::abs(p.y) <= largest_)) return {near, 0, Place::outside};
   std::uint32_t t = near, from = kNoNeighbor;
   for (std::size_t steps = 0; steps <= 2 * triangles_.size(); ++steps) {
-    const Sides s = sides(p, t, from);
+    const EdgeSides s = sides(p, t, from);
     if (memory_.has_failed()) return {t, 0, Place::outside};
     if (s.beyond == kInside) return location(t, s.on);
     from = t;
@@ -240,7 +252,7 @@ VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::locate_here(const 
 template <class Memory>
 VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::search_all(const PlanePoint& p) {
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    const Sides s = sides(p, t, kNoNeighbor);
+    const EdgeSides s = sides(p, t, kNoNeighbor);
     if (s.beyond == kInside) return location(t, s.on);
   }
   return {0, 0, Place::outside};
@@ -344,7 +356,7 @@ VDWMESH_HD void PlaneTriangulationOf<Memory>::insert_here(std::uint32_t vertex,
 }
 
 template <class Memory>
-VDWMESH_HD std::span<const PlaneTypes::Edge> PlaneTriangulationOf<Memory>::pieces_around(
+VDWMESH_HD std::span<const PlaneTypes::TriangleEdge> PlaneTriangulationOf<Memory>::pieces_around(
     const PlanePoint& p, std::uint32_t at) {
   visits_.resize(triangles_.size(), 0);
   ++search_;

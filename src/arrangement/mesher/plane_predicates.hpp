@@ -3,7 +3,7 @@
 // arithmetic and fast robust geometric predicates"). For host and device.
 //
 // A test is the sign of a determinant. Each function here returns the sign if rounding cannot have
-// changed it, and 0 if it might have. Then exact_plane_predicates.hpp decides.
+// changed it, and 0 if it might have. Then the exact tests at the end decide.
 //
 // Error bounds. u = 2^-53 is the largest relative error of an operation. A product of k factors
 // (1 + e) with |e| <= u differs from 1 by at most k u + k² u² (for k <= 11). The bounds below round
@@ -104,5 +104,15 @@ struct CircleTerms {
     return 12 * plane::kRounding * sum + plane::kUnderflow;
   }
 };
+
+// The same two tests in exact arithmetic, for what the filters leave undecided. On the host alone.
+//
+// 1 if c lies on the left of the line from a to b, -1 if on the right, 0 if on the line.
+int exact_orientation(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c);
+
+// For counter-clockwise a, b, c: 1 if d lies inside the circle through them, -1 if outside, 0 if on
+// the circle.
+int exact_in_circle(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c,
+                    const PlanePoint& d);
 
 }  // namespace vdwmesh

@@ -1,7 +1,9 @@
-// The triangulation in the plane (plane_insertion.hpp, piece_insertion.hpp), compiled for the host.
+// The triangulation in the plane (plane_insertion.hpp, piece_insertion.hpp), and the smoothing and
+// the search for defects (patch_smoothing.hpp), compiled for the host.
 // What takes most of the time is compiled in two versions, for two generations of processors.
 #include "arrangement/mesher/plane_triangulation.hpp"
 
+#include "arrangement/mesher/patch_smoothing.hpp"
 #include "arrangement/mesher/piece_insertion.hpp"
 #include "arrangement/mesher/plane_insertion.hpp"
 #include "core/multiversion.hpp"
@@ -20,5 +22,18 @@ VDWMESH_MULTIVERSION void PlaneTriangulation::insert(std::uint32_t vertex, const
 }
 
 template class PlaneTriangulationOf<GrowingMemory>;
+
+template <>
+VDWMESH_MULTIVERSION void smooth(const PatchBoundaryView& boundary, const PointCircles& circles,
+                                 int passes, SmoothingScratch& scratch, PatchTriangles& patch) {
+  smoothing::Smoother<GrowingMemory>(boundary, circles, scratch, patch).run(passes);
+}
+
+template <>
+VDWMESH_MULTIVERSION bool find_defects(const PatchBoundaryView& boundary,
+                                       const PatchTriangles& patch,
+                                       PatchVector<std::uint32_t>& found) {
+  return smoothing::DefectFinder<GrowingMemory>(boundary, patch, found).run();
+}
 
 }  // namespace vdwmesh

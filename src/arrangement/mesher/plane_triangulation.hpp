@@ -6,13 +6,13 @@
 // Inside a polygon of constrained edges the triangles do not depend on what lies outside it, so the
 // frame need not be far away.
 //
-// Tests are exact: plane_predicates.hpp decides nearly all of them in double, and
-// exact_plane_predicates.hpp the rest on the host. On the device the triangulation fails at the
-// rest (patch_memory.hpp). The steps are in plane_insertion.hpp, for both. But where points come
-// from a patch, ties are common and must not be decided by rounding, or a molecule would get other
-// triangles after a translation. There the edge that is there stays if four points were sampled
-// from one circle, or lie on one but for kTie, and either edge between them is as good. Symmetric
-// patches and the lattice inside of them have such points.
+// Tests are exact (plane_predicates.hpp): nearly all are decided in double, and the rest on the
+// host in exact arithmetic. On the device the triangulation fails at the rest (patch_memory.hpp).
+// The steps are in plane_insertion.hpp, for both. But where points come from a patch, ties are
+// common and must not be decided by rounding, or a molecule would get other triangles after a
+// translation. There the edge that is there stays if four points were sampled from one circle, or
+// lie on one but for kTie, and either edge between them is as good. Symmetric patches and the
+// lattice inside of them have such points.
 #pragma once
 
 #include <array>
@@ -23,7 +23,6 @@
 
 #include "arrangement/mesher/linked_triangle.hpp"
 #include "arrangement/mesher/patch_memory.hpp"
-#include "arrangement/mesher/plane_types.hpp"
 #include "arrangement/mesher/point_circles.hpp"
 
 namespace vdwmesh {
@@ -73,7 +72,7 @@ class PlaneTriangulationOf : public PlaneTypes {
 
   // The pieces around the region that the insertion of p would retriangulate, as edges of triangles
   // inside of it. `at` is the triangle that p lies in. The span is valid until the next call.
-  VDWMESH_HD std::span<const Edge> pieces_around(const PlanePoint& p, std::uint32_t at);
+  VDWMESH_HD std::span<const TriangleEdge> pieces_around(const PlanePoint& p, std::uint32_t at);
 
   // The triangles that meet a disk, and some near it. `from` must be one that meets it. For the
   // host. The span is valid until the next call.
@@ -163,10 +162,10 @@ class PlaneTriangulationOf : public PlaneTypes {
 
   // The sides of a triangle's edges on which a point lies: a corner with the point beyond its edge,
   // or kInside; and the edges on whose lines it lies, one bit each, if it is beyond none.
-  struct Sides {
+  struct EdgeSides {
     std::uint32_t beyond, on;
   };
-  VDWMESH_HD Sides sides(const PlanePoint& p, std::uint32_t t, std::uint32_t from);
+  VDWMESH_HD EdgeSides sides(const PlanePoint& p, std::uint32_t t, std::uint32_t from);
   VDWMESH_HD static Location location(std::uint32_t t, std::uint32_t on);
   VDWMESH_HD Location search_all(const PlanePoint& p);
 
@@ -181,12 +180,12 @@ class PlaneTriangulationOf : public PlaneTypes {
   VDWMESH_HD void legalize_around_new();
   VDWMESH_HD bool should_flip(std::uint32_t t, std::uint32_t corner);
 
-  VDWMESH_HD bool find_edge(std::uint32_t a, std::uint32_t b, Edge& edge) const;
-  VDWMESH_HD bool find_edge_at(std::uint32_t a, std::uint32_t b, Edge& edge) const;
-  VDWMESH_HD bool find_listed(const ListedEdge& listed, Edge& edge) const;
-  VDWMESH_HD Outcome set_piece(const Edge& edge, std::uint32_t piece);
+  VDWMESH_HD bool find_edge(std::uint32_t a, std::uint32_t b, TriangleEdge& edge) const;
+  VDWMESH_HD bool find_edge_at(std::uint32_t a, std::uint32_t b, TriangleEdge& edge) const;
+  VDWMESH_HD bool find_listed(const ListedEdge& listed, TriangleEdge& edge) const;
+  VDWMESH_HD Outcome set_piece(const TriangleEdge& edge, std::uint32_t piece);
   VDWMESH_HD Outcome find_crossed(std::uint32_t from, std::uint32_t to);
-  VDWMESH_HD Outcome first_crossed(std::uint32_t from, std::uint32_t to, Edge& edge);
+  VDWMESH_HD Outcome first_crossed(std::uint32_t from, std::uint32_t to, TriangleEdge& edge);
   VDWMESH_HD void flip_crossed(std::uint32_t from, std::uint32_t to);
   VDWMESH_HD void legalize_flipped(std::uint32_t from, std::uint32_t to);
 
@@ -204,7 +203,7 @@ class PlaneTriangulationOf : public PlaneTypes {
   Array<Side> inside_;           // by triangle
   Array<std::uint32_t> stack_;   // scratch memory: triangles to look at
   Array<std::uint32_t> visits_;  // by triangle: the last search that came by
-  Array<Edge> found_;
+  Array<TriangleEdge> found_;
   Array<ListedEdge> crossed_, flipped_;  // scratch memory of insert_piece()
   std::uint32_t search_ = 0;             // number of the last search
   std::uint32_t turn_ = 0;               // where locate() begins in a triangle

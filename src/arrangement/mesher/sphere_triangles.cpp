@@ -246,9 +246,12 @@ std::uint32_t SpherePoints::parts(double edge_length) { return parts_of_edge(edg
 
 const std::vector<Vec3d>& SpherePoints::points(double edge_length) {
   const std::uint32_t parts = SpherePoints::parts(edge_length);
-  Kept& kept = kept_[parts % kept_.size()];
-  if (kept.parts != parts) kept = {parts, divided_points(parts)};
-  return kept.points;
+  auto& [kept, points] = kept_[parts % kept_.size()];
+  if (kept != parts) {
+    points = divided_points(parts);
+    kept = parts;
+  }
+  return points;
 }
 
 const std::vector<Vec3d>& SpherePoints::points(double edge_length,

@@ -10,8 +10,6 @@
 // point, the point becomes a corner, and a cut of these arcs is noted. (3) An arc belongs to two
 // balls, and both may find the same point of it; such cuts are merged. (4) The arcs are cut.
 // boundary_arcs.cpp calls join_touching_arcs() before it merges corners.
-#include "arrangement/mesher/touching_arcs.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,6 +19,7 @@
 
 #include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
+#include "arrangement/mesher/boundary_arcs.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
 #include "core/steps.hpp"
@@ -39,7 +38,7 @@ constexpr std::size_t kFewCircles = 64;
 
 // A circle on the unit sphere about the centre of a ball, namely the rim of what another ball
 // covers.
-struct Circle {
+struct RimCircle {
   // Unit, towards the other ball.
   Vec3d axis;
   // Cosine and sine of the circle's angular radius, seen from the centre of the ball. The cosine is
@@ -54,7 +53,7 @@ struct Circle {
 // Two circles of a ball that touch in a direction from its centre, a unit vector.
 struct Touch {
   std::uint32_t ball;
-  std::array<Circle, 2> circles;
+  std::array<RimCircle, 2> circles;
   Vec3d point;
 };
 
@@ -107,7 +106,7 @@ class TouchingArcs {
   // tests pairs. Entries with the same other ball are arcs of one circle.
   void search_ball(std::size_t begin, std::vector<Touch>& found) const {
     const std::uint32_t ball = ball_arcs_[begin].ball;
-    std::vector<Circle> circles;
+    std::vector<RimCircle> circles;
     for (std::size_t i = begin; i < ball_arcs_.size() && ball_arcs_[i].ball == ball; ++i) {
       if (i > begin && ball_arcs_[i].other == ball_arcs_[i - 1].other) {
         ++circles.back().count;
@@ -132,7 +131,7 @@ class TouchingArcs {
   // have arcs that come within `reach` of one point. Each arc gets a ball around it, in radii of
   // the ball that it lies on, and pairs of these balls that meet are found in a list of cells.
   std::vector<std::array<std::uint32_t, 2>> near_circles(std::uint32_t ball,
-                                                         std::span<const Circle> circles) const {
+                                                         std::span<const RimCircle> circles) const {
     const Sphere& s = t_.balls[ball];
     const double reach = std::max(1e-7, 8 * out_.sizes.arc);  // twice that of touch(), and more
     std::vector<Sphere> around;
@@ -173,7 +172,7 @@ class TouchingArcs {
   }
 
   // The circle of entry `place` of ball_arcs_, as yet with this arc alone.
-  Circle circle_at(std::size_t place) const {
+  RimCircle circle_at(std::size_t place) const {
     const Sphere &s = t_.balls[ball_arcs_[place].ball], &o = t_.balls[ball_arcs_[place].other];
     const EdgeShape shape = edge_shape(s, o);
     return {(1 / shape.length) * (o.center - s.center),
@@ -197,7 +196,7 @@ class TouchingArcs {
   //
   // The last test decides: it measures the distance between p and q, the nearest points of the two
   // circles. Both lie in the plane of the two axes.
-  std::optional<Vec3d> touching_point(const Circle& a, const Circle& b) const {
+  std::optional<Vec3d> touching_point(const RimCircle& a, const RimCircle& b) const {
     const double along = dot(a.axis, b.axis);
     const double slack = 4 * out_.sizes.arc;
     if (std::abs(along - (a.cosine * b.cosine - a.sine * b.sine)) > slack) return std::nullopt;
@@ -216,13 +215,13 @@ class TouchingArcs {
   //
   // An end of an arc is near the point if it is no farther than `reach`. That is more than the
   // distance of the point from either circle, which is about half of FeatureSizes::arc.
-  void touch(std::uint32_t ball, const Circle& a, const Circle& b, const Vec3d& direction) {
+  void touch(std::uint32_t ball, const RimCircle& a, const RimCircle& b, const Vec3d& direction) {
     const Sphere& s = t_.balls[ball];
     const BoundaryCorner corner{s.center + s.radius * direction, {ball, a.other, b.other}};
     const double reach = 2 * out_.sizes.arc * s.radius;
     std::vector<std::uint32_t> ends;  // corners within `reach` of the point
     std::vector<Cut> cuts;
-    for (const Circle& c : {a, b}) {
+    for (const RimCircle& c : {a, b}) {
       const std::size_t before = ends.size() + cuts.size();
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
         find_on_arc(ball_arcs_[i].arc, corner.position, reach, ends, cuts);

@@ -6,7 +6,7 @@
 // Steps: (1) Sample all arcs. (2) Mesh the patches in rounds. A round meshes its patches in
 // parallel, each by itself. A patch may return requests to split pieces of its boundary. The pieces
 // are split in the common sampling, and the patches on both sides of them are meshed again in the
-// next round, until there are no requests. There are three series of rounds (mesh_rounds.hpp). (3)
+// next round, until there are no requests. There are three series of rounds (RoundSeries). (3)
 // Number the vertices (corners, points of arcs, interior points ball by ball) and copy the patches
 // into one mesh, which goes to the team.
 //
@@ -35,7 +35,6 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/mesh_assembly.hpp"
 #include "arrangement/mesher/mesh_borders.hpp"
-#include "arrangement/mesher/mesh_rounds.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_limits.hpp"
 #include "core/blocks.hpp"
@@ -43,6 +42,40 @@
 
 namespace vdwmesh {
 namespace {
+
+// There are three series of rounds. The first looks at boundaries alone, which is quick, the second
+// makes triangles, and the third makes those patches anew that have an angle below its floor
+// (angle_floors.hpp), with the patches beside what it splits. Meshes without such an angle have no
+// third series, and do not depend on it.
+//
+// All count the rounds of one series. In the first kQualityRounds rounds, or kAngleRounds if the
+// angles have a bound or floors, pieces are split for the quality of triangles as well, afterwards
+// only for their validity. If there are still requests in round kMostRounds, the mesher gives up.
+constexpr int kQualityRounds = 12, kAngleRounds = 30;
+constexpr int kMostRounds = 60;
+
+enum class RoundSeries : std::uint8_t { boundaries, patches, floors };
+
+struct RoundDemands {
+  PatchStage stage;
+  Demand demand;
+  bool raises_angles = false;  // above their floors
+};
+
+// `leaves_room`: whether no arc has so many pieces that splits for a bound on the angles must end.
+RoundDemands demands_of(RoundSeries series, int round, const ExactMeshOptions& options,
+                        bool leaves_room) {
+  const bool raises = series == RoundSeries::floors && round <= kAngleRounds;
+  const bool bounds = options.min_angle > 0 && leaves_room && round <= kAngleRounds;
+  const bool has_quality = round <= kQualityRounds || bounds || raises;
+  return {series == RoundSeries::boundaries ? PatchStage::boundary : PatchStage::triangles,
+          has_quality ? Demand::quality : Demand::validity, raises};
+}
+
+std::uint64_t angles_below_floor(std::span<const PatchMesh> patches) {
+  return sum_all(patches.size(),
+                 [&](std::size_t i, std::uint64_t& count) { count += patches[i].below_floor; });
+}
 
 // One run of the mesher; run() lists the steps.
 class UnionMesher {
@@ -149,7 +182,7 @@ class UnionMesher {
     }
   }
 
-  // The three series of rounds (mesh_rounds.hpp).
+  // The three series of rounds (RoundSeries).
   void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
     for (std::uint32_t b = share_.balls.first; b < share_.balls.second; ++b) {
@@ -311,7 +344,7 @@ class UnionMesher {
                          const std::vector<std::uint32_t>& next, PatchStage stage) {
     for (const std::uint32_t b : next) {
       // The patch begins anew, as one that the host has finished.
-      if (stage == PatchStage::triangles && kept_job(b)) progress_[b].reset();
+      if (stage == PatchStage::triangles && on_device_->kept_job(b)) progress_[b].reset();
       on_device_->withdraw(b);
     }
     if (stage == PatchStage::triangles) return;
@@ -365,10 +398,6 @@ class UnionMesher {
       if (!patches_[balls[i]].triangles.empty()) progress_[balls[i]].reset();
     });
     return left;
-  }
-
-  const PatchJob* kept_job(std::uint32_t ball) const {
-    return on_device_ ? on_device_->kept_job(ball) : nullptr;
   }
 
   // The progress of a ball's patch, after the splits of the last round.
@@ -441,7 +470,7 @@ class UnionMesher {
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
   // Empty without a device. Last, since its threads, which end with it, read the others.
-  std::optional<DevicePatches> on_device_;
+  std::optional<PatchDispatch> on_device_;
 };
 
 }  // namespace

@@ -66,5 +66,35 @@ TEST(AngleFloors, AnAngleCountsUntilItIsTheMarginAboveItsFloor) {
   }
 }
 
+// The pieces of a polygon and of one chord across it, by a look at all of them.
+TEST(PieceChords, LongestAtVerticesIsTheFirstOfTheLongest) {
+  PatchBoundary boundary;
+  for (const double angle : {0.0, 0.3, 0.6, 1.2, 1.5, 1.8, 2.4, 2.7}) {
+    boundary.points.push_back({std::cos(angle), std::sin(angle), 0});
+  }
+  const auto count = static_cast<std::uint32_t>(boundary.points.size());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    boundary.pieces.push_back({i, (i + 1) % count, 0, {0, i}, 0});
+  }
+  boundary.pieces.push_back({4, 1, 1, {1, 0}, 0});
+  const PieceChords chords{boundary};
+  for (std::uint32_t a = 0; a < count; ++a) {
+    for (std::uint32_t b = 0; b < count; ++b) {
+      const LinkedTriangle t{{a, b, count + 5}, {}, {}};
+      for (const std::uint32_t but : {kNoPiece, 2u, 7u}) {
+        std::uint32_t expected = kNoPiece;
+        for (std::uint32_t p = 0; p < boundary.pieces.size(); ++p) {
+          const BoundaryPiece& piece = boundary.pieces[p];
+          const bool ends_there =
+              piece.from == a || piece.to == a || piece.from == b || piece.to == b;
+          if (!ends_there || p == but) continue;
+          if (expected == kNoPiece || chords.of(p) > chords.of(expected)) expected = p;
+        }
+        EXPECT_EQ(chords.longest_at_vertices(t, but), expected) << a << ' ' << b << ' ' << but;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vdwmesh

@@ -1,6 +1,6 @@
 // The exact tests are those of CGAL's kernel with exact predicates. Coordinates are taken as the
 // rational numbers that the doubles are, so the answers do not depend on rounding.
-#include "arrangement/mesher/exact_plane_predicates.hpp"
+#include "arrangement/mesher/plane_predicates.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
