@@ -175,7 +175,7 @@ class RowJoiner {
     std::vector<std::size_t> first_corner(count_ + 1, 0), first_arc(count_ + 1, 0);
     out.first_neighbor.assign(count_ + 1, 0);
     for_each_index(count_, [&](std::size_t b) {
-      const BallRow row = row_of(b);
+      const RowOfBall row = row_of(b);
       first_corner[b + 1] = row.corners.size();
       first_arc[b + 1] = row.arcs.size();
       out.first_neighbor[b + 1] = row.neighbors.size();
@@ -188,7 +188,7 @@ class RowJoiner {
     out.arcs.resize(first_arc.back());
     out.neighbor_lists.resize(out.first_neighbor.back());
     for_each_index(count_, [&](std::size_t b) {
-      const BallRow row = row_of(b);
+      const RowOfBall row = row_of(b);
       const auto corners = out.corners.begin() + static_cast<std::ptrdiff_t>(first_corner[b]);
       std::sort(corners, std::ranges::copy(row.corners, corners).out);
       const auto neighbors =
@@ -199,13 +199,13 @@ class RowJoiner {
   }
 
  private:
-  struct BallRow {
+  struct RowOfBall {
     std::span<const ExposedCorner> corners;
     std::span<const NamedArc> arcs;
     std::span<const std::uint32_t> neighbors;
   };
 
-  BallRow row_of(std::size_t ball) const {
+  RowOfBall row_of(std::size_t ball) const {
     const std::uint32_t exact = exact_.row_of.empty() ? kNoIndex : exact_.row_of[ball];
     const BoundaryRows& rows = exact != kNoIndex ? exact_.rows : cells_.rows[ball / kBallsPerRows];
     const std::size_t row = exact != kNoIndex ? exact : ball % kBallsPerRows;
