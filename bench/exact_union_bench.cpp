@@ -32,8 +32,8 @@ using vdwmesh::SphereSet;
 
 constexpr int kRepeats = 3;
 constexpr std::size_t kStages = 5, kCertify = 4;  // the last is not part of the total
-constexpr std::array<const char*, kStages> kNames{"triangulate", "complex",  "measures",
-                                                  "topology", "certify"};
+constexpr std::array<const char*, kStages> kNames{"triangulate", "complex", "measures", "topology",
+                                                  "certify"};
 
 // `count` balls: the first of `base`, or copies of all of it side by side.
 SphereSet tile(const SphereSet& base, std::size_t count) {

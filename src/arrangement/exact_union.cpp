@@ -221,8 +221,8 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredS
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 
-// Method both: the result of method cgal, with the sum of the arcs' measures as the check. A suspect sphere enters this sum with its measures from the triangulation, so
-// it is not checked.
+// Method both: the result of method cgal, with the sum of the arcs' measures as the check. A
+// suspect sphere enters this sum with its measures from the triangulation, so it is not checked.
 ExactUnion union_by_both(const SphereSet& spheres, const MeasuredSpheres& measured,
                          const UnionOptions& options, Workspace& workspace) {
   ExactUnion result = union_by_triangulation(spheres, measured, options);

@@ -233,9 +233,8 @@ class GaussBonnetSum {
 
 SphereMeasures by_gauss_bonnet(const SphereSet& spheres) {
   const PowerTriangulation triangulation = triangulate(spheres);
-  return total_measures(
-      in_order_of(spheres, triangulation,
-                  GaussBonnetSum(triangulation, dual_complex(triangulation)).run()));
+  return total_measures(in_order_of(
+      spheres, triangulation, GaussBonnetSum(triangulation, dual_complex(triangulation)).run()));
 }
 
 }  // namespace vdwmesh::testing
