@@ -245,7 +245,7 @@ void exact_text(Text out, const ExactReport& exact) {
     text += "; topology not computed";
   }
   if (exact.check_area && exact.check_volume) {
-    text += fmt::format("; second formula differs by {:.1e} (area), {:.1e} (volume)",
+    text += fmt::format("; arcs differ by {:.1e} (area), {:.1e} (volume)",
                         relative_difference(*exact.check_area, exact.area),
                         relative_difference(*exact.check_volume, exact.volume));
   }

@@ -368,7 +368,7 @@ template <int kSlots, int kFaces, int kCorners>
 __device__ __forceinline__ UnitFactor CellMeasurement<kSlots, kFaces, kCorners>::exposed_arcs(
     std::uint32_t number, const Plane& face, int& ends, int& balance) const {
   UnitFactor product{1, 0};
-  const vdwmesh::arcs::Frame frame = vdwmesh::arcs::frame_of(face.axis);
+  const vdwmesh::arcs::AxisBasis frame = vdwmesh::arcs::frame_of(face.axis);
   for (int c = 0; c < corner_count_; ++c) {
     const CellCorner& corner = space_.corner[c];
     if (corner.start != number && corner.end != number) continue;

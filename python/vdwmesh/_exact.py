@@ -38,7 +38,7 @@ class ExactUnion:
     method : {"cgal", "arcs", "both"}
         What computed them.
     check_area, check_volume : float or None
-        A second computation by other formulas, where the method has one.
+        By arcs, with ``method="both"``.
     fallback_atoms : int
         Atoms of which the arcs failed a check, so that a triangulation measured them.
     cuda : CudaAtoms or None

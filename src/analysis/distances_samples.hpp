@@ -95,7 +95,7 @@ class CircleSamples {
  private:
   arcs::Cap cap_;
   double radius_;
-  arcs::Frame frame_;
+  arcs::AxisBasis frame_;
   std::uint64_t size_;
   double start_;
 };

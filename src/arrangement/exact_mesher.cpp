@@ -59,7 +59,7 @@ constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-
 // has a vertex on either ball there. Two balls that only touch are separate components here.
 SurfaceTopology surface_topology(const WholeComplex& a) {
   const UnionTopology topology =
-      union_topology(a.triangulation, a.complex, gauss_bonnet(a.triangulation, a.complex));
+      union_topology(a.triangulation, a.complex, inclusion_exclusion(a.triangulation, a.complex));
   DisjointSets components(a.complex.in_complex.size());
   for (const DualEdge& e : a.complex.edges) {
     const bool contact = e.singular && e.contact == Contact::touching;

@@ -1,6 +1,6 @@
 // exact_union(): runs the method that the caller chose, or for method automatic the faster one that
 // answers what is wanted.
-// - cgal: regular triangulation, dual complex, inclusion-exclusion, and Gauss-Bonnet as the check.
+// - cgal: regular triangulation, dual complex, and inclusion-exclusion.
 // - arcs: each sphere by itself, from the circular arcs on it (arcs/arcs.hpp). Spheres that
 //   arc_measures() marks as suspect, because a check failed, get the measures of a small
 //   triangulation instead.
@@ -11,8 +11,6 @@
 // the SphereSet, unscale() the measures of the topology back to Å. The power of two makes this
 // exact, short of overflow and underflow. The arcs work on the SphereSet itself.
 #include "arrangement/exact_union.hpp"
-
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +25,6 @@
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/power_triangulation.hpp"
 #include "arrangement/complex/topology.hpp"
-#include "arrangement/many_unions.hpp"
 #include "arrangement/reference_measures.hpp"
 #include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
@@ -82,21 +79,8 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   advance(monitor, 1);
   const DualComplex complex = dual_complex(triangulation, monitor);
   advance(monitor, 1);
-  std::vector<SphereMeasures> measures, check_measures;
-  UnionTopology topology;
-  // The measures, and the check by other formulas, share only what they read. So they run in
-  // parallel. No exception may leave either branch: TBB would stop the loops inside of the other
-  // one, which would go on with what they had left undone.
-  FirstError error;
-  tbb::parallel_invoke(
-      [&] {
-        error.guard([&] {
-          measures = inclusion_exclusion(triangulation, complex);
-          topology = union_topology(triangulation, complex, measures);
-        });
-      },
-      [&] { error.guard([&] { check_measures = gauss_bonnet(triangulation, complex); }); });
-  error.rethrow();
+  const std::vector<SphereMeasures> measures = inclusion_exclusion(triangulation, complex);
+  UnionTopology topology = union_topology(triangulation, complex, measures);
   unscale(topology, triangulation);
   // union_topology() knows the balls of the triangulation only; all other spheres are hidden.
   topology.hidden_spheres += spheres.size() - triangulation.balls.size();
@@ -107,12 +91,8 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   result.per_sphere = in_order_of(spheres, triangulation, measures);
   leave_measured(result.per_sphere, measured);
   const SphereMeasures total = total_measures(result.per_sphere, measured);
-  const SphereMeasures check =
-      total_measures(in_order_of(spheres, triangulation, check_measures), measured);
   result.area = total.area;
   result.volume = total.volume;
-  result.check_area = check.area;
-  result.check_volume = check.volume;
   result.counts = {topology.components, topology.euler_characteristic, topology.hidden_spheres};
   result.topology = std::move(topology);
   if (options.certify)
@@ -241,9 +221,8 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredS
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 
-// Method both: the result of method cgal, with another check instead of Gauss-Bonnet: the sum of
-// the arcs' measures. A suspect sphere enters this sum with its measures from the triangulation, so
-// it is not checked.
+// Method both: the result of method cgal, with the sum of the arcs' measures as the check. A
+// suspect sphere enters this sum with its measures from the triangulation, so it is not checked.
 ExactUnion union_by_both(const SphereSet& spheres, const MeasuredSpheres& measured,
                          const UnionOptions& options, Workspace& workspace) {
   ExactUnion result = union_by_triangulation(spheres, measured, options);

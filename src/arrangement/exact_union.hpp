@@ -129,9 +129,8 @@ struct ExactUnion {
   // If counts or the full topology are wanted. The arcs do not guess: if rounding might decide
   // about a sphere (doubtful_spheres), there are none.
   std::optional<UnionCounts> counts;
-  // A second computation of area and volume. Method cgal uses other formulas on the same complex
-  // (Gauss–Bonnet, pyramids), which checks the sums but not the complex. Method both uses the arcs,
-  // which share no code with the complex. Method arcs has no check.
+  // Method both: a second computation of area and volume by the arcs, which share no code with the
+  // complex.
   std::optional<double> check_area, check_volume;
   // Methods arcs and both: spheres whose result from the arcs failed a check, so that the
   // result from a triangulation stands in for it.

@@ -11,13 +11,13 @@ namespace {
 
 constexpr std::size_t kEntriesPerBlock = std::size_t{1} << 14;
 
-struct Totals {
+struct ExactTotals {
   ExactSum area, volume;
 };
 
-Totals sum_of(std::span<const SphereMeasures> per_sphere, std::size_t first, std::size_t end,
-              const MeasuredSpheres& measured) {
-  Totals sum;
+ExactTotals sum_of(std::span<const SphereMeasures> per_sphere, std::size_t first, std::size_t end,
+                   const MeasuredSpheres& measured) {
+  ExactTotals sum;
   for (std::size_t i = first; i < end; ++i) {
     if (!measured.contains(static_cast<SphereId>(i))) continue;
     sum.area.add(per_sphere[i].area);
@@ -30,14 +30,14 @@ Totals sum_of(std::span<const SphereMeasures> per_sphere, std::size_t first, std
 
 SphereMeasures total_measures(std::span<const SphereMeasures> per_sphere,
                               const MeasuredSpheres& measured) {
-  std::vector<Totals> parts(block_count(per_sphere.size(), kEntriesPerBlock));
+  std::vector<ExactTotals> parts(block_count(per_sphere.size(), kEntriesPerBlock));
   for_each_block(per_sphere.size(), kEntriesPerBlock,
                  [&](std::size_t block, std::size_t first, std::size_t end) {
                    parts[block] = sum_of(per_sphere, first, end, measured);
                  });
   if (parts.empty()) return {0, 0};
-  Totals& sum = parts[0];
-  for (const Totals& part : std::span(parts).subspan(1)) {
+  ExactTotals& sum = parts[0];
+  for (const ExactTotals& part : std::span(parts).subspan(1)) {
     sum.area.add(part.area);
     sum.volume.add(part.volume);
   }

@@ -16,7 +16,7 @@ namespace vdwmesh {
 namespace {
 
 // What a thread keeps from one set to the next.
-struct ThreadSpace {
+struct UnionThread {
   Workspace workspace;
   ExactUnion measured;
 };
@@ -53,8 +53,8 @@ class CpuUnionMeasurer final : public UnionMeasurer {
   static void measure_many(BatchMeasures& result, const SphereBatch& batch, Monitor* monitor) {
     SphereSet::view({batch.spheres, batch.size});
     std::atomic<std::uint64_t> fallback_spheres{0};
-    for_each_union<ThreadSpace>(
-        batch.set_count(), monitor, [&](std::size_t set, ThreadSpace& space, Monitor* inside) {
+    for_each_union<UnionThread>(
+        batch.set_count(), monitor, [&](std::size_t set, UnionThread& space, Monitor* inside) {
           const std::size_t first = batch.set_begin(set), size = batch.set_end(set) - first;
           exact_union_into(
               space.measured, SphereSet::view({batch.spheres + first, size}),

@@ -41,7 +41,7 @@ struct MeasuredSphere {
 // What the ranks add up.
 struct Totals {
   ExactSum area, volume;
-  PatchSums patches;
+  CountSums patches;
 
   void add(const SphereMeasures& m) {
     area.add(m.area);

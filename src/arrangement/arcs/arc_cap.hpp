@@ -33,10 +33,10 @@ VDWMESH_HD inline double inner(const Vec3d& a, const Vec3d& b) {
 
 // Two unit vectors that form an orthonormal basis with a given unit vector (T. Duff et al.,
 // "Building an orthonormal basis, revisited", JCGT 6 (2017) 1).
-struct Frame {
+struct AxisBasis {
   Vec3d first, second;
 };
-VDWMESH_HD inline Frame frame_of(const Vec3d& axis) {
+VDWMESH_HD inline AxisBasis frame_of(const Vec3d& axis) {
   const double sign = axis.z < 0 ? -1.0 : 1.0;
   const double a = -1 / (sign + axis.z);
   const double b = axis.x * axis.y * a;

@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t kSpheresPerBlock = 256;  // consecutive in list order
 
-void add(PatchSums& sums, const arcs::BallMeasures& m) {
+void add(CountSums& sums, const arcs::BallMeasures& m) {
   sums.euler_characteristic += m.euler_characteristic;
   sums.corners += m.corners;
   sums.hidden += m.corners == 0 && m.area == 0;
@@ -34,15 +34,15 @@ void add(PatchSums& sums, const arcs::BallMeasures& m) {
 }
 
 // Memory of one thread.
-struct ThreadSpace {
-  PatchSums sums;
+struct ArcThread {
+  CountSums sums;
   arcs::BallCaps caps;
   arcs::CutBall ball;
 };
 
 // What a caller's Workspace keeps from one call to the next, beside the result's own memory.
 struct ArcSpace {
-  tbb::enumerable_thread_specific<ThreadSpace> threads;
+  tbb::enumerable_thread_specific<ArcThread> threads;
   Buffer<std::uint8_t> is_doubtful;  // by sphere id
   Buffer<ListPlace> places;          // of the measured spheres, ascending
 };
@@ -66,7 +66,7 @@ void join_neighbors(const ArcRun& run, ListPlace place, const arcs::BallCaps& ca
 
 // Returns the measures of the sphere at a list place, in Å² and Å³, with the doubts about
 // them.
-arcs::BallMeasures measure_sphere(const ArcRun& run, ListPlace place, ThreadSpace& work) {
+arcs::BallMeasures measure_sphere(const ArcRun& run, ListPlace place, ArcThread& work) {
   const bool is_buried = !work.caps.find(run.list, place);
   if (run.connected != nullptr) join_neighbors(run, place, work.caps, is_buried);
   if (is_buried) {
@@ -84,7 +84,7 @@ arcs::BallMeasures measure_sphere(const ArcRun& run, ListPlace place, ThreadSpac
 
 // Measures the spheres at the given list places.
 VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const ListPlace> places,
-                                          ThreadSpace& work) {
+                                          ArcThread& work) {
   for (const ListPlace place : places) {
     const SphereId id = run.list.id[place];
     const arcs::BallMeasures m = measure_sphere(run, place, work);
@@ -115,7 +115,7 @@ void find_places(const CellListView& list, const MeasuredSpheres& measured, ArcM
 // The Euler characteristic of the boundary is faces - edges + vertices. The patches add up to
 // `euler_characteristic`. A patch has as many arcs as corners; two patches share each arc and three
 // share each corner, so there are corners / 2 arcs and corners / 3 corners in all.
-std::optional<UnionCounts> counts_of(const PatchSums& sums, std::uint64_t components) {
+std::optional<UnionCounts> counts_of(const CountSums& sums, std::uint64_t components) {
   if (sums.doubtful > 0 || sums.corners % 6 != 0) return std::nullopt;
   const auto corners = static_cast<std::int64_t>(sums.corners);
   return UnionCounts{components, sums.euler_characteristic - corners / 2 + corners / 3,
@@ -141,7 +141,7 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcReques
 
   result.connected.reset();
   if (request.topology != TopologyRequest::none) result.connected.emplace(spheres.size());
-  for (ThreadSpace& space : threads) space.sums = {};
+  for (ArcThread& space : threads) space.sums = {};
   const ArcRun run{list, result, is_doubtful.data(),
                    result.connected ? &*result.connected : nullptr};
 
@@ -153,7 +153,7 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcReques
   for_each_block(places.size(), kSpheresPerBlock, measure, request.monitor);
 
   result.sums = {};
-  for (const ThreadSpace& space : threads) result.sums.add(space.sums);
+  for (const ArcThread& space : threads) result.sums.add(space.sums);
   result.suspect =
       collect<SphereId>(is_doubtful.size(), [&](std::size_t i, std::vector<SphereId>& suspect) {
         if (is_doubtful[i]) suspect.push_back(static_cast<SphereId>(i));

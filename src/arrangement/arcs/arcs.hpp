@@ -22,13 +22,13 @@ namespace vdwmesh {
 
 // What spheres contribute to the counts of their union. These are sums of integers, so they do not
 // depend on the order of the spheres, nor on how a union is divided among several calls.
-struct PatchSums {
+struct CountSums {
   std::int64_t euler_characteristic = 0;  // of the exposed patches
   std::uint64_t corners = 0;              // of the exposed patches
   std::uint64_t hidden = 0;               // spheres without exposed area
   std::uint64_t doubtful = 0;             // spheres for which rounding might decide about these
 
-  void add(const PatchSums& other) {
+  void add(const CountSums& other) {
     euler_characteristic += other.euler_characteristic;
     corners += other.corners;
     hidden += other.hidden;
@@ -38,7 +38,7 @@ struct PatchSums {
 
 // The counts of a union, given the sums over all of its spheres and the number of its components.
 // There are none if rounding might decide about a sphere.
-std::optional<UnionCounts> counts_of(const PatchSums& sums, std::uint64_t components);
+std::optional<UnionCounts> counts_of(const CountSums& sums, std::uint64_t components);
 
 struct ArcMeasures {
   // One entry per sphere, in the order of the SphereSet: exposed area, and volume of ball ∩ power
@@ -53,7 +53,7 @@ struct ArcMeasures {
   std::vector<SphereId> suspect;
   // If counts were wanted: sums over the measured spheres, and the sets of spheres of the SphereSet
   // that hang together by overlaps of which at least one ball is measured.
-  PatchSums sums;
+  CountSums sums;
   std::optional<DisjointSets> connected;
 };
 

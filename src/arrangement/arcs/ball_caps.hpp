@@ -38,11 +38,11 @@ class BallCaps {
   bool is_crowded() const { return is_crowded_; }
 
  private:
-  // Four spheres of the list, as lanes: their centres from the ball's centre, and their radii.
-  struct Four {
+  // BallLanes spheres of the list, as lanes: their centres from the ball's centre, and their radii.
+  struct BallLanes {
     Lanes x, y, z, radius;
   };
-  static Four four_of(const CellListView& list, const Sphere& ball, const ListPlace* places);
+  static BallLanes four_of(const CellListView& list, const Sphere& ball, const ListPlace* places);
 
   bool list_candidates(const CellListView& list, const Sphere& ball, ListPlace place,
                        std::size_t enough = kNoEnd);
@@ -60,8 +60,8 @@ class BallCaps {
   bool is_nearly_tangent_ = false, is_crowded_ = false;
 };
 
-VDWMESH_INLINE BallCaps::Four BallCaps::four_of(const CellListView& list, const Sphere& ball,
-                                                const ListPlace* places) {
+VDWMESH_INLINE BallCaps::BallLanes BallCaps::four_of(const CellListView& list, const Sphere& ball,
+                                                     const ListPlace* places) {
   static_assert(sizeof(Sphere) == sizeof(Lanes));
   const ByListPlace<Sphere> spheres = list.spheres;
   Lanes x = lanes_at(&spheres[places[0]].center.x), y = lanes_at(&spheres[places[1]].center.x),
@@ -117,7 +117,7 @@ VDWMESH_INLINE bool BallCaps::keep_near(const CellListView& list, const Sphere& 
   const std::size_t count = near_count_;
   for (std::size_t i = 0; i < count; i += 4) {
     const ListPlace places[4] = {near[i], near[i + 1], near[i + 2], near[i + 3]};
-    const Four to = four_of(list, ball, places);
+    const BallLanes to = four_of(list, ball, places);
     const Lanes sum = margin * (own_radius + to.radius),
                 squared = to.x * to.x + to.y * to.y + to.z * to.z;
     const LaneBits apart = squared >= least, is_near = (squared <= sum * sum) & apart;
@@ -147,7 +147,7 @@ VDWMESH_INLINE bool BallCaps::make_caps(const CellListView& list, const Sphere& 
   double* const to = to_.data();
   double* const distances = distance_.data();
   for (std::size_t i = 0; i < fours; ++i) {
-    const Four t = four_of(list, ball, near + 4 * i);
+    const BallLanes t = four_of(list, ball, near + 4 * i);
     store_lanes(to + 16 * i, t.x);
     store_lanes(to + 16 * i + 4, t.y);
     store_lanes(to + 16 * i + 8, t.z);
@@ -159,8 +159,8 @@ VDWMESH_INLINE bool BallCaps::make_caps(const CellListView& list, const Sphere& 
   LaneBits buries{}, is_tangent{};
   std::size_t found = 0;
   for (std::size_t i = 0; i < fours; ++i) {
-    const Four t{lanes_at(to + 16 * i), lanes_at(to + 16 * i + 4), lanes_at(to + 16 * i + 8),
-                 lanes_at(to + 16 * i + 12)};
+    const BallLanes t{lanes_at(to + 16 * i), lanes_at(to + 16 * i + 4), lanes_at(to + 16 * i + 8),
+                      lanes_at(to + 16 * i + 12)};
     const Lanes squared = t.x * t.x + t.y * t.y + t.z * t.z, distance = lanes_at(distances + 4 * i);
     const Lanes sum = r + t.radius, power = squared + (r - t.radius) * sum,
                 cosine = power / (two * distance * r), inverse = one / distance,

@@ -29,11 +29,11 @@ struct BallMeasures {
   std::uint32_t corners = 0;              // of the exposed patch
 };
 
-struct Complex {
+struct ComplexNumber {
   double re, im;
 };
 
-inline Complex operator*(const Complex& a, const Complex& b) {
+inline ComplexNumber operator*(const ComplexNumber& a, const ComplexNumber& b) {
   return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
@@ -42,13 +42,13 @@ inline Complex operator*(const Complex& a, const Complex& b) {
 class AngleSum {
  public:
   // Adds the argument of a number, which is in [0, pi]. Precondition: im >= 0.
-  void add(const Complex& factor);
+  void add(const ComplexNumber& factor);
   // The sum is 2 pi turns() and the argument of product(), which is in [0, 2 pi).
   double turns() const { return turns_; }
-  const Complex& product() const { return product_; }
+  const ComplexNumber& product() const { return product_; }
 
  private:
-  Complex product_{1, 0};
+  ComplexNumber product_{1, 0};
   std::uint32_t turns_ = 0;
 };
 
@@ -59,13 +59,13 @@ class BallMeasurer {
   BallMeasures measure(const CellView& cell);
 
   // What a plane of the cell has in common with the ball.
-  struct Face {
+  struct CellFace {
     bool crossed = false;      // a segment bounds it
     bool whole = false;        // it is the whole disk
     std::uint32_t ends = 0;    // corners on its circle
     std::int32_t balance = 0;  // ends of arcs less starts, counter-clockwise about the axis
     Vec3d reference{};         // from the disk's centre to its first corner
-    Complex arc{1, 0};         // its argument is the exposed angle from the reference, modulo 2 pi
+    ComplexNumber arc{1, 0};   // its argument is the exposed angle from the reference, modulo 2 pi
 
     bool meets_ball() const { return crossed || ends > 0 || whole; }
   };
@@ -76,21 +76,21 @@ class BallMeasurer {
     EdgeEnd edge;
     std::int32_t direction;
   };
-  struct CellEdge {
+  struct EdgeIncidence {
     std::uint32_t from, to, a, b;  // its vertices and its planes
   };
-  static CellEdge edge_of(const CellView& cell, EdgeEnd end);
+  static EdgeIncidence edge_of(const CellView& cell, EdgeEnd end);
 
   // Of the last ball. Without planes or an exposed patch it has no faces; the rest means nothing.
   bool has_faces() const { return has_faces_; }
   std::span<const PatchCorner> corners() const { return {patch_corners_.data(), corners_}; }
   std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
-  const Face& face(std::uint32_t plane) const { return faces_[plane]; }
+  const CellFace& face(std::uint32_t plane) const { return faces_[plane]; }
 
  private:
   // An edge of the cell: its planes in the order in which the edge runs against the cross product
   // of their axes.
-  struct Edge {
+  struct PolytopeEdge {
     std::uint32_t a, b;
     Vec3d from, to;
     EdgeEnd end;
@@ -114,16 +114,17 @@ class BallMeasurer {
   void add_inner_edges(const CellView& cell);
   void add_crossing_edges(const CellView& cell);
   void add_outer_edges(const CellView& cell);
-  void add_edge(const CellView& cell, const Edge& edge, int ends_inside, bool from_inside);
+  void add_edge(const CellView& cell, const PolytopeEdge& edge, int ends_inside, bool from_inside);
   void add_segment(const Cap& a, const Cap& b, const Vec3d& from, const Vec3d& to);
-  void add_corner(const Edge& edge, const Cap& a, const Cap& b, const Vec3d& corner, int direction);
-  void add_arc_end(Face& face, const Cap& cap, const Vec3d& corner, int direction);
+  void add_corner(const PolytopeEdge& edge, const Cap& a, const Cap& b, const Vec3d& corner,
+                  int direction);
+  void add_arc_end(CellFace& face, const Cap& cap, const Vec3d& corner, int direction);
   bool is_whole_disk(const CellView& cell, std::uint32_t plane);
   void find_angles();
   BallMeasures sum_up(const CellView& cell);
 
   std::vector<double> height_;         // by vertex: squared distance from the centre, less 1
-  std::vector<Face> faces_;            // by plane; valid for planes_, if something is exposed
+  std::vector<CellFace> faces_;        // by plane; valid for planes_, if something is exposed
   std::vector<std::uint64_t> stamps_;  // by plane: the last ball in which it had a face
   std::vector<std::uint32_t> planes_;  // the planes that have a face, then unused elements
   std::uint32_t face_count_ = 0;

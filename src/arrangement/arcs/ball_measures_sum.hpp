@@ -14,7 +14,7 @@ inline constexpr double kPi = std::numbers::pi;
 
 // Multiplies the product by a factor, and rescales it to size 1 before it can overflow or
 // underflow.
-inline void multiply(Complex& product, const Complex& factor) {
+inline void multiply(ComplexNumber& product, const ComplexNumber& factor) {
   product = product * factor;
   const double size = product.re * product.re + product.im * product.im;
   if (size > 1e100 || size < 1e-100) {
@@ -25,7 +25,7 @@ inline void multiply(Complex& product, const Complex& factor) {
 
 // The sum so far, modulo 2 pi, is in [pi, 2 pi) if the product's imaginary part is negative. Adding
 // an angle of at most pi takes it from there to [0, pi) if and only if it completes a turn.
-inline void AngleSum::add(const Complex& factor) {
+inline void AngleSum::add(const ComplexNumber& factor) {
   const bool was_below = product_.im < 0;
   multiply(product_, factor);
   turns_ += was_below && !(product_.im < 0);
@@ -133,7 +133,8 @@ inline void BallMeasurer::find_feet(const CellView& cell) {
   }
 }
 
-VDWMESH_INLINE BallMeasurer::CellEdge BallMeasurer::edge_of(const CellView& cell, EdgeEnd end) {
+VDWMESH_INLINE BallMeasurer::EdgeIncidence BallMeasurer::edge_of(const CellView& cell,
+                                                                 EdgeEnd end) {
   const EdgeEnd twin = cell.twin[end];
   return {vertex_of(end), vertex_of(twin), cell.plane_left[twin - 1], cell.plane_left[end - 1]};
 }
@@ -211,7 +212,7 @@ inline void BallMeasurer::add_outer_edges(const CellView& cell) {
   constexpr double kMargin = 1e-3;
   for (const EdgeEnd end : edges(0)) {
     const auto [from, to, a, b] = edge_of(cell, end);
-    const Edge edge{a, b, cell.vertex(from), cell.vertex(to), end};
+    const PolytopeEdge edge{a, b, cell.vertex(from), cell.vertex(to), end};
     const Vec3d along = edge.to - edge.from;
     const double start = inner(edge.from, along), stop = inner(edge.to, along);
     if (!(start < 0 && stop > 0)) continue;
@@ -254,7 +255,7 @@ VDWMESH_INLINE Crossing crossing_of(const Cap& cap, const Cap& other) {
 // Adds the segment of an edge inside the ball, and its corners, one or two. A point x of both
 // planes and the sphere is middle ± (root / sine²) a × b with the axes a, b and the sine of the
 // angle between them; root² is the Gram determinant of a, b and x. The edge runs against a × b.
-inline void BallMeasurer::add_edge(const CellView& cell, const Edge& edge, int ends_inside,
+inline void BallMeasurer::add_edge(const CellView& cell, const PolytopeEdge& edge, int ends_inside,
                                    bool from_inside) {
   const Cap& a = cell.plane[edge.a];
   const Cap& b = cell.plane[edge.b];
@@ -272,7 +273,7 @@ inline void BallMeasurer::add_edge(const CellView& cell, const Edge& edge, int e
   const Vec3d middle =
       small.cosine * small.axis + (c.toward * inverse) * cross(c.normal, small.axis);
   const Vec3d half = (a_is_smaller ? root * inverse : -root * inverse) * c.normal;
-  const Complex turn{c.turn_cosine, root};
+  const ComplexNumber turn{c.turn_cosine, root};
   Vec3d from = edge.from, to = edge.to;
   if (!from_inside) {
     from = middle + half;
@@ -303,7 +304,7 @@ inline void BallMeasurer::add_segment(const Cap& a, const Cap& b, const Vec3d& f
 // round. To open_ a face adds 2 F axis, of which the sectors of its arcs are phi sine² axis; the
 // patch adds the integral of x × dx along its boundary, which runs against the arcs: for each arc
 // t axis × (start - end) - phi sine² axis. The terms with phi cancel.
-inline void BallMeasurer::add_corner(const Edge& edge, const Cap& a, const Cap& b,
+inline void BallMeasurer::add_corner(const PolytopeEdge& edge, const Cap& a, const Cap& b,
                                      const Vec3d& corner, int direction) {
   const Vec3d arm = static_cast<double>(direction) * (a.cosine * a.axis - b.cosine * b.axis);
   open_ = open_ + cross(arm, corner);
@@ -316,7 +317,7 @@ inline void BallMeasurer::add_corner(const Edge& edge, const Cap& a, const Cap& 
 // product of all ends and conjugated starts, as complex numbers whose argument is the angle from
 // the face's first corner, has the exposed angle of the circle as its argument. The size of such a
 // number is the squared radius of the circle.
-inline void BallMeasurer::add_arc_end(Face& face, const Cap& cap, const Vec3d& corner,
+inline void BallMeasurer::add_arc_end(CellFace& face, const Cap& cap, const Vec3d& corner,
                                       int direction) {
   face.balance += direction;
   const Vec3d arm = corner - cap.cosine * cap.axis;
@@ -324,8 +325,8 @@ inline void BallMeasurer::add_arc_end(Face& face, const Cap& cap, const Vec3d& c
     face.reference = arm;
     return;
   }
-  const Complex place{inner(face.reference, arm),
-                      direction * inner(cap.axis, cross(face.reference, arm))};
+  const ComplexNumber place{inner(face.reference, arm),
+                            direction * inner(cap.axis, cross(face.reference, arm))};
   multiply(face.arc, place);
 }
 
@@ -352,7 +353,7 @@ inline void BallMeasurer::find_angles() {
   }
   std::size_t count = 0;
   for (const std::uint32_t plane : planes()) {
-    const Face& face = faces_[plane];
+    const CellFace& face = faces_[plane];
     re_[count] = face.arc.re;
     im_[count] = face.arc.im;
     count += face.ends > 0;
@@ -373,7 +374,7 @@ inline BallMeasures BallMeasurer::sum_up(const CellView& cell) {
   std::uint32_t disks = 0, whole_circles = 0;
   double deepest = 1;
   for (const std::uint32_t plane : planes()) {
-    Face& face = faces_[plane];
+    CellFace& face = faces_[plane];
     const Cap& cap = cell.plane[plane];
     double angle = 0;
     if (face.ends > 0) {

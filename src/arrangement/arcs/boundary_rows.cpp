@@ -70,7 +70,7 @@ class CellReader {
       if (number_of(b) > ball) ends_.push_back({b, c.direction < 0, c.edge, corner});
     }
     for (const std::uint32_t plane : measurer.planes()) {
-      const BallMeasurer::Face& face = measurer.face(plane);
+      const BallMeasurer::CellFace& face = measurer.face(plane);
       if (plane < arcs::kWalls || !face.meets_ball()) continue;
       out.neighbors.push_back(number_of(plane));
       if (face.whole && number_of(plane) > ball) {

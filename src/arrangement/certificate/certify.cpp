@@ -31,17 +31,17 @@ constexpr double kEdgeWidth = 0x1p-48, kTriangleWidth = 0x1p-43, kCellWidth = 0x
 constexpr int kLeastBits = 128, kMostBits = 4096, kBitsOfDouble = 53;
 
 // What one thread has added up.
-struct Sums {
+struct EndSums {
   ExactSum area_lower, area_upper, volume_lower, volume_upper;
   int bits = kBitsOfDouble;
 
-  void add(const Terms& terms) {
+  void add(const MeasureTerms& terms) {
     area_lower.add(terms.area.inf());
     area_upper.add(terms.area.sup());
     volume_lower.add(terms.volume.inf());
     volume_upper.add(terms.volume.sup());
   }
-  void add(const Sums& other) {
+  void add(const EndSums& other) {
     area_lower.add(other.area_lower);
     area_upper.add(other.area_upper);
     volume_lower.add(other.volume_lower);
@@ -68,10 +68,10 @@ class Certifier {
     is_wide_.assign(t_.balls.size(), 0);
     edges_.resize(k_.edges.size());
     chords_.resize(k_.triangles.size());
-    for_each(t_.balls.size(), [&](std::size_t i, Sums& sums) { add_ball(i, sums); });
-    for_each(k_.edges.size(), [&](std::size_t i, Sums& sums) { add_edge(i, sums); });
-    for_each(k_.triangles.size(), [&](std::size_t i, Sums& sums) { add_triangle(i, sums); });
-    for_each(k_.tetrahedra.size(), [&](std::size_t i, Sums& sums) { add_cell(i, sums); });
+    for_each(t_.balls.size(), [&](std::size_t i, EndSums& sums) { add_ball(i, sums); });
+    for_each(k_.edges.size(), [&](std::size_t i, EndSums& sums) { add_edge(i, sums); });
+    for_each(k_.triangles.size(), [&](std::size_t i, EndSums& sums) { add_triangle(i, sums); });
+    for_each(k_.tetrahedra.size(), [&](std::size_t i, EndSums& sums) { add_cell(i, sums); });
     return result();
   }
 
@@ -99,7 +99,7 @@ class Certifier {
     constexpr std::size_t kGrain = 256;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
       advance(monitor_, 0);
-      Sums& sums = sums_.local();
+      EndSums& sums = sums_.local();
       with_rounding(mode_, [&] {
         if (mode_ == RoundingMode::upward) require_upward_rounding();
         for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i, sums);
@@ -110,7 +110,7 @@ class Certifier {
   // Returns evaluate(T{}) for T = Interval or, if that is wider than `most`, for WideInterval with
   // as many bits as it takes. MPFR is called with the processor's usual rounding mode.
   template <std::size_t n, class Evaluate>
-  auto settled(const std::array<std::uint32_t, n>& vertices, double most, Sums& sums,
+  auto settled(const std::array<std::uint32_t, n>& vertices, double most, EndSums& sums,
                Evaluate evaluate) {
     auto terms = evaluate(Interval());
     if (width(terms) <= most) return terms;
@@ -145,7 +145,7 @@ class Certifier {
                        [&](std::uint32_t v) { return roles_[v].measured; });
   }
 
-  void add_ball(std::size_t i, Sums& sums) {
+  void add_ball(std::size_t i, EndSums& sums) {
     const bool measured = measured_.contains(t_.ids[i]);
     roles_[i] = {measured, measured && k_.exposed[i] != 0};
     if (!roles_[i].exposed) return;
@@ -153,7 +153,7 @@ class Certifier {
     sums.add({area, area * r / Interval(3)});
   }
 
-  void add_edge(std::size_t i, Sums& sums) {
+  void add_edge(std::size_t i, EndSums& sums) {
     const DualEdge& edge = k_.edges[i];
     if (!is_needed(edge.vertices)) {
       edges_[i] = {{}, {}, Interval(0), false};
@@ -162,13 +162,13 @@ class Certifier {
     edges_[i] = settled(edge.vertices, kEdgeWidth, sums, [&]<class T>(const T&) {
       return edge_terms<T>(balls(edge.vertices), roles(edge.vertices), edge.exposed);
     });
-    const Terms& angle = edges_[i].free_angle;
+    const MeasureTerms& angle = edges_[i].free_angle;
     if (!edge.exposed) return;
     const Interval turn = Interval(2) * pi(angle.area);
     sums.add({-turn * angle.area, -turn * angle.volume});
   }
 
-  void add_triangle(std::size_t i, Sums& sums) {
+  void add_triangle(std::size_t i, EndSums& sums) {
     const DualTriangle& f = k_.triangles[i];
     chords_[i] = Interval(0);
     if (!is_needed(f.vertices)) return;
@@ -192,13 +192,13 @@ class Certifier {
     return &edges_[edge_between(k_.triangles[k_.cell_triangles[cell][other]], v[i], v[j])];
   }
 
-  void add_cell(std::size_t i, Sums& sums) {
+  void add_cell(std::size_t i, EndSums& sums) {
     const std::uint32_t c = k_.tetrahedra[i];
     const auto& v = t_.cells[c];
     if (!is_needed(v)) return;
     CellInput input{balls(v), roles(v), {}, {}};
     for (std::size_t p = 0; p < 6; ++p) {
-      input.edges[p] = edge_of(c, kEdgeVertices[p][0], kEdgeVertices[p][1]);
+      input.edges[p] = edge_of(c, kPairs[p][0], kPairs[p][1]);
     }
     for (std::size_t k = 0; k < 4; ++k) input.chords[k] = &chords_[k_.cell_triangles[c][k]];
     sums.add(settled(v, kCellWidth, sums, [&]<class T>(const T&) { return cell_terms<T>(input); }));
@@ -218,8 +218,8 @@ class Certifier {
   }
 
   UnionCertificate result() const {
-    Sums total;
-    for (const Sums& sums : sums_) total.add(sums);
+    EndSums total;
+    for (const EndSums& sums : sums_) total.add(sums);
     UnionCertificate out{};
     out.area = unscaled(total.area_lower, total.area_upper, 2);
     out.volume = unscaled(total.volume_lower, total.volume_upper, 3);
@@ -239,7 +239,7 @@ class Certifier {
   std::vector<std::uint8_t> is_wide_;  // per ball: 1 if one of its simplices took more than double
   std::vector<EdgeTerms> edges_;
   std::vector<Interval> chords_;  // per triangle: D
-  tbb::enumerable_thread_specific<Sums> sums_;
+  tbb::enumerable_thread_specific<EndSums> sums_;
 };
 
 }  // namespace

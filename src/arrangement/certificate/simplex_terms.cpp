@@ -30,7 +30,7 @@ template <class T>
 struct Pair {
   T area{0.0}, volume{0.0};
 
-  void add(const T& factor, const Terms& terms) {
+  void add(const T& factor, const MeasureTerms& terms) {
     area = area + factor * T(terms.area);
     volume = volume + factor * T(terms.volume);
   }
@@ -43,13 +43,13 @@ struct Pair {
 };
 
 template <class T>
-Terms enclosed(const Pair<T>& sums) {
+MeasureTerms enclosed(const Pair<T>& sums) {
   return {enclosure(sums.area), enclosure(sums.volume)};
 }
 
 // Heights of the radical plane over both centres, and the squared radius of the circle in it.
 template <class T>
-struct Circle {
+struct RadicalCircle {
   std::array<T, 2> heights{};
   T squared_radius{0.0};
 };
@@ -57,9 +57,9 @@ struct Circle {
 // The plane cuts both balls. The squared radius r² - h² = (r - h)(r + h) is taken on the smaller
 // ball, where it has the smaller rounding error.
 template <class T>
-Circle<T> circle_of(const std::array<Sphere, 2>& balls) {
+RadicalCircle<T> circle_of(const std::array<Sphere, 2>& balls) {
   const T squared = squared_length(from_to<T>(balls[0], balls[1])), length = root(squared);
-  Circle<T> circle;
+  RadicalCircle<T> circle;
   for (std::size_t k = 0; k < 2; ++k) {
     const double r = balls[k].radius;
     circle.heights[k] = within(-r, r, half_power_offset(balls[k], balls[1 - k], squared) / length);
@@ -73,7 +73,7 @@ Circle<T> circle_of(const std::array<Sphere, 2>& balls) {
 // Signed distances of a triangle's orthogonal centre from its edges, positive towards the vertices
 // opposite to them, and half the chord between the points common to the three spheres.
 template <class T>
-struct TriangleShape {
+struct IntervalTriangle {
   std::array<T, 3> distance{};
   T half_chord{0.0}, twice_area;
 };
@@ -86,9 +86,9 @@ struct TriangleShape {
 // at most r_a, because the points are in ball a. Without exposed corners no half chord is needed,
 // and it is left at 0.
 template <class T>
-TriangleShape<T> shape_of(const std::array<Sphere, 3>& v, int corners) {
+IntervalTriangle<T> shape_of(const std::array<Sphere, 3>& v, int corners) {
   const T gram = squared_length(cross(from_to<T>(v[0], v[1]), from_to<T>(v[0], v[2])));
-  TriangleShape<T> shape;
+  IntervalTriangle<T> shape;
   shape.twice_area = root(gram);
   double smallest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -121,7 +121,7 @@ T corner_solid_angle(const Sphere& o, const Sphere& p, const Sphere& q, const T&
 
 // The terms of one corner tetrahedron, and of the chord up to the corner.
 template <class T>
-Pair<T> corner_terms(const TriangleInput& in, const TriangleShape<T>& shape, const T& chord) {
+Pair<T> corner_terms(const TriangleInput& in, const IntervalTriangle<T>& shape, const T& chord) {
   const auto& v = in.balls;
   const T determinant = shape.twice_area * shape.half_chord;
   Pair<T> sums;
@@ -171,9 +171,8 @@ template <class T>
 void add_angles(const CellInput& in, const CellShape<T>& shape, Pair<T>& sums) {
   for (std::size_t p = 0; p < 6; ++p) {
     if (!in.edges[p]->has_angle) continue;
-    const auto &m = shape.normal[kEdgeVertices[5 - p][0]],
-               &n = shape.normal[kEdgeVertices[5 - p][1]];
-    const Vector<T> edge = from_to<T>(in.balls[kEdgeVertices[p][0]], in.balls[kEdgeVertices[p][1]]);
+    const auto &m = shape.normal[kPairs[5 - p][0]], &n = shape.normal[kPairs[5 - p][1]];
+    const Vector<T> edge = from_to<T>(in.balls[kPairs[p][0]], in.balls[kPairs[p][1]]);
     const T sine = shape.determinant * root(squared_length(edge));
     sums.add(angle(sine, -dot(m, n)), in.edges[p]->cell_angle);
   }
@@ -203,7 +202,7 @@ void add_heights(const CellInput& in, const CellShape<T>& shape, Pair<T>& sums) 
 template <class T>
 EdgeTerms edge_terms(const std::array<Sphere, 2>& balls, const std::array<Role, 2>& roles,
                      bool exposed) {
-  const Circle<T> circle = circle_of<T>(balls);
+  const RadicalCircle<T> circle = circle_of<T>(balls);
   T height(0.0);
   Pair<T> free, cones;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -227,7 +226,7 @@ EdgeTerms edge_terms(const std::array<Sphere, 2>& balls, const std::array<Role, 
 
 template <class T>
 TriangleTerms triangle_terms(const TriangleInput& in) {
-  const TriangleShape<T> shape = shape_of<T>(in.balls, in.corners);
+  const IntervalTriangle<T> shape = shape_of<T>(in.balls, in.corners);
   T chord(0.0);
   for (std::size_t k = 0; k < 3; ++k) {
     chord = chord + shape.distance[k] * T(in.edges[k]->height);
@@ -243,7 +242,7 @@ TriangleTerms triangle_terms(const TriangleInput& in) {
 }
 
 template <class T>
-Terms cell_terms(const CellInput& in) {
+MeasureTerms cell_terms(const CellInput& in) {
   const CellShape<T> shape(in.balls);
   Pair<T> sums;
   add_angles(in, shape, sums);
@@ -257,7 +256,7 @@ template EdgeTerms edge_terms<WideInterval>(const std::array<Sphere, 2>&,
                                             const std::array<Role, 2>&, bool);
 template TriangleTerms triangle_terms<Interval>(const TriangleInput&);
 template TriangleTerms triangle_terms<WideInterval>(const TriangleInput&);
-template Terms cell_terms<Interval>(const CellInput&);
-template Terms cell_terms<WideInterval>(const CellInput&);
+template MeasureTerms cell_terms<Interval>(const CellInput&);
+template MeasureTerms cell_terms<WideInterval>(const CellInput&);
 
 }  // namespace vdwmesh::certificate

@@ -16,6 +16,9 @@
 // exposed corners. In a tetrahedron a solid angle is the sum of three dihedral angles less π.
 // Balls that are not to be measured contribute no r and no h to these sums.
 //
+// The shapes behind them are those of complex/simplex_shape.hpp, but not by its code: that turns to
+// more digits where double loses them, and intervals say themselves how many they have lost.
+//
 // Every template computes with a type of interval T, which is Interval or WideInterval, and gives
 // intervals of doubles. With Interval, the processor must round upward. Where a simplex is known to
 // be in the dual complex, bounds follow that hold without rounding: its orthogonal centre is in all
@@ -26,6 +29,7 @@
 #include <cstdint>
 
 #include "arrangement/certificate/interval.hpp"
+#include "arrangement/complex/power_triangulation.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::certificate {
@@ -36,24 +40,25 @@ struct Role {
 };
 
 // Terms of area and volume, in units of the triangulation.
-struct Terms {
+struct MeasureTerms {
   Interval area{0}, volume{0};
 };
-inline double width(const Terms& t) { return std::max(width(t.area), width(t.volume)); }
+inline double width(const MeasureTerms& t) { return std::max(width(t.area), width(t.volume)); }
 
 struct EdgeTerms {
-  Terms free_angle;  // A and V: per radian of the free angle
-  Terms cell_angle;  // per radian of a tetrahedron's dihedral angle: A and V less r² and r³ / 3
-  Interval height;   // H
-  bool has_angle;    // not all of the above but the height are 0
+  MeasureTerms free_angle;  // A and V: per radian of the free angle
+  MeasureTerms
+      cell_angle;   // per radian of a tetrahedron's dihedral angle: A and V less r² and r³ / 3
+  Interval height;  // H
+  bool has_angle;   // not all of the above but the height are 0
 };
 inline double width(const EdgeTerms& t) {
   return std::max({width(t.free_angle), width(t.cell_angle), width(t.height)});
 }
 
 struct TriangleTerms {
-  Terms corners;   // of its corner tetrahedra
-  Interval chord;  // D
+  MeasureTerms corners;  // of its corner tetrahedra
+  Interval chord;        // D
 };
 // D enters the terms of two tetrahedra with up to four such numbers each, so it counts 16 times.
 inline double width(const TriangleTerms& t) {
@@ -75,11 +80,8 @@ struct TriangleInput {
 template <class T>
 TriangleTerms triangle_terms(const TriangleInput& in);
 
-// The pairs of vertices in the order of a tetrahedron's edges.
-inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kEdgeVertices{
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-
-// A positively oriented tetrahedron of the complex. Facet k is opposite to ball k.
+// A positively oriented tetrahedron of the complex. Facet k is opposite to ball k, edge p has the
+// vertices kPairs[p].
 struct CellInput {
   std::array<Sphere, 4> balls;
   std::array<Role, 4> roles;
@@ -87,6 +89,6 @@ struct CellInput {
   std::array<const Interval*, 4> chords;  // D of the facets
 };
 template <class T>
-Terms cell_terms(const CellInput& in);
+MeasureTerms cell_terms(const CellInput& in);
 
 }  // namespace vdwmesh::certificate

@@ -9,10 +9,10 @@
 // here weighted and with alpha = 0), a simplex is in the complex if
 // - it is a face of a larger simplex of the complex, or
 // - it is "free": it is not attached and its size is <= 0.
-// Builder goes from tetrahedra to triangles, edges and vertices. Signs are exact. Most simplices
-// are rejected before an exact predicate is needed, because two of their balls are far apart.
-// Vertices of the triangulation for which is_ball() is false are the four auxiliary points far
-// outside; they have no sphere, attach nothing and are in no simplex of the complex.
+// ComplexBuilder goes from tetrahedra to triangles, edges and vertices. Signs are exact. Most
+// simplices are rejected before an exact predicate is needed, because two of their balls are far
+// apart. Vertices of the triangulation for which is_ball() is false are the four auxiliary points
+// far outside; they have no sphere, attach nothing and are in no simplex of the complex.
 //
 // A ball is strict if it remains in the complex when all balls shrink a little: it is a vertex of a
 // simplex that is not attached and has a negative size. A ball that is not strict may be in the
@@ -31,6 +31,7 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
+#include "core/split_mix.hpp"
 #include "core/steps.hpp"
 
 namespace vdwmesh {
@@ -45,22 +46,14 @@ void check_numbers(std::size_t count) {
 // Says that `triangle` has the edge from ball a to its upper ball, the one of higher number. The
 // entry stands in row a of rows_. The entries of one edge follow each other there, by ascending
 // triangle.
-struct EdgeEntry {
+struct TriangleAtEdge {
   std::uint32_t upper, triangle;
-  friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
+  friend auto operator<=>(const TriangleAtEdge&, const TriangleAtEdge&) = default;
 };
 
-// A one-to-one map of numbers to numbers without order (C. Wellons, "Prospecting for hash
-// functions", 2018).
-std::uint32_t shuffled(std::uint32_t x) {
-  x = (x ^ (x >> 16)) * 0x7feb352du;
-  x = (x ^ (x >> 15)) * 0x846ca68bu;
-  return x ^ (x >> 16);
-}
-
-class Builder {
+class ComplexBuilder {
  public:
-  explicit Builder(const PowerTriangulation& triangulation) : t_(triangulation) {
+  explicit ComplexBuilder(const PowerTriangulation& triangulation) : t_(triangulation) {
     out_.in_complex.assign(t_.balls.size(), 0);
     out_.exposed.assign(t_.balls.size(), 0);
     strict_.assign(t_.balls.size(), 0);
@@ -83,9 +76,8 @@ class Builder {
         monitor,
         [&](std::uint32_t c, std::vector<CellFacet>& found) { classify_facets(c, found); });
     add_triangles(facets);
-    add_edges(collect_from_cells<SingularEdge>(
-        monitor,
-        [&](std::uint32_t c, std::vector<SingularEdge>& found) { classify_edges(c, found); }));
+    add_edges(collect_from_cells<DualEdge>(
+        monitor, [&](std::uint32_t c, std::vector<DualEdge>& found) { classify_edges(c, found); }));
     classify_vertices();
     mark_exposed();
     count_contacts();
@@ -98,12 +90,6 @@ class Builder {
     std::uint32_t cell, slot;
     friend auto operator<=>(const CellFacet&, const CellFacet&) = default;
   };
-  // An edge of the complex that is in none of its triangles.
-  struct SingularEdge {
-    std::uint32_t a, b;
-    Contact contact;
-  };
-
   template <class Body>
   void for_each_cell(const Body& body) const {
     for_each_index(t_.cells.size(), [&](std::size_t c) { body(static_cast<std::uint32_t>(c)); });
@@ -242,16 +228,14 @@ class Builder {
   // those in row a of rows_, which are in triangles, and singular ones. The edges of triangles get
   // Contact::strict without a test, because only the contact of singular edges is ever asked for.
   // It does not make their balls strict, which is what strict_ tells.
-  void add_edges(const std::vector<SingularEdge>& singular) {
-    SortedRows<UpperBall> alone;  // per ball: its singular edges
-    alone.fill(t_.balls.size(), singular.size(), [&](std::size_t i, const auto& add) {
-      const auto [lower, upper] = std::minmax(singular[i].a, singular[i].b);
-      add(lower, {upper, singular[i].contact});
-    });
+  void add_edges(const std::vector<DualEdge>& singular) {
+    SortedRows<DualEdge> alone;  // per ball: its singular edges to upper balls
+    alone.fill(t_.balls.size(), singular.size(),
+               [&](std::size_t i, const auto& add) { add(singular[i].vertices[0], singular[i]); });
     std::vector<std::size_t> first(t_.balls.size() + 1, 0);  // by ball: number of its first edge
     for_each_index(t_.balls.size(), [&](std::size_t a) {
       std::size_t count = alone[a].size();
-      for_each_edge_of(a, [&](std::span<const EdgeEntry>) { ++count; });
+      for_each_edge_of(a, [&](std::span<const TriangleAtEdge>) { ++count; });
       first[a + 1] = count;
     });
     std::partial_sum(first.begin(), first.end(), first.begin());
@@ -261,27 +245,15 @@ class Builder {
       auto number = static_cast<std::uint32_t>(first[a]);
       auto next = alone[a].begin();
       const auto add_alone_before = [&](std::uint32_t upper) {
-        for (; next != alone[a].end() && next->ball < upper; ++next) {
-          add_edge(number++, {.vertices = {static_cast<std::uint32_t>(a), next->ball},
-                              .contact = next->contact,
-                              .exposed = true,
-                              .singular = true});
-        }
+        while (next != alone[a].end() && next->vertices[1] < upper) add_edge(number++, *next++);
       };
-      for_each_edge_of(a, [&](std::span<const EdgeEntry> edge) {
+      for_each_edge_of(a, [&](std::span<const TriangleAtEdge> edge) {
         add_alone_before(edge[0].upper);
         add_edge_of_triangles(number++, static_cast<std::uint32_t>(a), edge);
       });
       add_alone_before(kNoIndex);
     });
   }
-
-  // The upper ball of a singular edge.
-  struct UpperBall {
-    std::uint32_t ball;
-    Contact contact;
-    friend auto operator<=>(const UpperBall&, const UpperBall&) = default;
-  };
 
   void add_edge(std::uint32_t number, const DualEdge& edge) {
     out_.edges[number] = edge;
@@ -290,9 +262,9 @@ class Builder {
 
   // Edges of one triangle may be added by several threads at once, each of which writes its own.
   void add_edge_of_triangles(std::uint32_t number, std::uint32_t a,
-                             std::span<const EdgeEntry> edge) {
+                             std::span<const TriangleAtEdge> edge) {
     bool exposed = false;
-    for (const EdgeEntry& entry : edge) {
+    for (const TriangleAtEdge& entry : edge) {
       DualTriangle& triangle = out_.triangles[entry.triangle];
       triangle.edges[edge_slot(a, entry)] = number;
       exposed = exposed || triangle.exposed[0] || triangle.exposed[1];
@@ -309,8 +281,9 @@ class Builder {
   void for_each_edge_of(std::size_t a, const Visit& visit) const {
     const auto row = rows_[a];
     for (auto begin = row.begin(); begin != row.end();) {
-      const auto end = std::find_if(
-          begin, row.end(), [&](const EdgeEntry& entry) { return entry.upper != begin->upper; });
+      const auto end = std::find_if(begin, row.end(), [&](const TriangleAtEdge& entry) {
+        return entry.upper != begin->upper;
+      });
       visit(std::span(begin, end));
       begin = end;
     }
@@ -319,14 +292,14 @@ class Builder {
   // Whether ab is an edge of a triangle.
   bool is_in_triangle(std::uint32_t a, std::uint32_t b) const {
     const auto row = rows_[std::min(a, b)];
-    const EdgeEntry first{std::max(a, b), 0};
+    const TriangleAtEdge first{std::max(a, b), 0};
     const auto found = std::lower_bound(row.begin(), row.end(), first);
     return found != row.end() && found->upper == first.upper;
   }
 
   // The place of the edge from ball a to entry.upper in the entry's triangle: edge m is opposite to
   // vertex m, so m is the vertex that is neither of the two.
-  std::size_t edge_slot(std::uint32_t a, const EdgeEntry& entry) const {
+  std::size_t edge_slot(std::uint32_t a, const TriangleAtEdge& entry) const {
     const auto& v = out_.triangles[entry.triangle].vertices;
     std::size_t m = 0;
     while (v[m] == a || v[m] == entry.upper) ++m;
@@ -335,7 +308,7 @@ class Builder {
 
   // Finds the edges of cell c that are in the complex but in none of its triangles. `open`: the
   // pairs whose balls may meet and that are on no triangle of the complex in this cell.
-  void classify_edges(std::uint32_t c, std::vector<SingularEdge>& found) {
+  void classify_edges(std::uint32_t c, std::vector<DualEdge>& found) {
     std::uint8_t open = overlaps_[c];
     for (std::size_t k = 0; k < 4; ++k) {
       if (out_.cell_triangles[c][k] != kNoIndex) {
@@ -352,11 +325,14 @@ class Builder {
   // has the edge, it is an edge of a triangle of the complex in another cell around it, and is
   // listed already.
   void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b,
-                     std::vector<SingularEdge>& found) {
+                     std::vector<DualEdge>& found) {
     if (is_in_triangle(a, b) || !is_chosen_around(c, a, b)) return;
     const Sign size = size_sign(ball(a), ball(b));
     if (size == Sign::positive || is_attached(c, a, b)) return;
-    found.push_back({a, b, size == Sign::negative ? Contact::strict : Contact::touching});
+    found.push_back({.vertices = {std::min(a, b), std::max(a, b)},
+                     .contact = size == Sign::negative ? Contact::strict : Contact::touching,
+                     .exposed = true,
+                     .singular = true});
     if (size != Sign::negative) return;
     set(strict_[a]);
     set(strict_[b]);
@@ -392,9 +368,10 @@ class Builder {
   // most meet a lower number soon. With the numbers themselves, which often rise around an edge,
   // they would come to n².
   bool is_chosen_around(std::uint32_t c, std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t own = shuffled(c);
-    return around_edge(
-        c, a, b, [&](std::uint32_t d, std::uint32_t, std::uint32_t) { return shuffled(d) >= own; });
+    const std::uint64_t own = split_mix(c);
+    return around_edge(c, a, b, [&](std::uint32_t d, std::uint32_t, std::uint32_t) {
+      return split_mix(d) >= own;
+    });
   }
 
   // Whether edge ab of cell c is attached. Only the vertices x, y of cells around the edge can make
@@ -497,7 +474,7 @@ class Builder {
   const PowerTriangulation& t_;
   Monitor* monitor_ = nullptr;
   DualComplex out_;
-  SortedRows<EdgeEntry> rows_;          // per ball: its edges to upper balls, in triangles
+  SortedRows<TriangleAtEdge> rows_;     // per ball: its edges to upper balls, in triangles
   std::vector<std::uint8_t> strict_;    // per ball: still in the complex of balls a little smaller
   std::vector<std::uint8_t> overlaps_;  // per cell: pairs whose balls may meet
 };
@@ -505,7 +482,7 @@ class Builder {
 }  // namespace
 
 DualComplex dual_complex(const PowerTriangulation& triangulation, Monitor* monitor) {
-  return Builder(triangulation).build(monitor);
+  return ComplexBuilder(triangulation).build(monitor);
 }
 
 }  // namespace vdwmesh

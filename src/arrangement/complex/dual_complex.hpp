@@ -29,6 +29,7 @@ struct DualEdge {
   Contact contact;  // decided for singular edges only; all other edges say `strict` without a test
   bool exposed;     // a cell around the edge is outside the complex
   bool singular;    // in no triangle of the complex: a full circle, or a point of contact
+  friend auto operator<=>(const DualEdge&, const DualEdge&) = default;
 };
 
 struct DualTriangle {

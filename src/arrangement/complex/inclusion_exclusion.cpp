@@ -13,6 +13,7 @@
 // The shapes of simplices are computed on all cores; then what they add to is summed on one, in
 // the order of the complex.
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "arrangement/complex/measures.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 // The sums are in more than double precision, because terms cancel: a ball may have thousands of
 // neighbours and little exposed area.
-struct Sums {
+struct BallSums {
   WideSum area, volume;
 };
 
@@ -55,7 +56,7 @@ class ConeSums {
         [&](std::size_t f, const FacetShape& shape) {
           add_triangle(k_.triangles[f], chord_[f], shape);
         });
-    std::vector<Sums> sums(t_.balls.size());
+    std::vector<BallSums> sums(t_.balls.size());
     for (std::size_t v = 0; v < sums.size(); ++v) {
       const double r = t_.balls[v].radius;
       if (k_.exposed[v])
@@ -130,7 +131,7 @@ class ConeSums {
 
   // Subtracts the pieces of caps over the edge's free angle from both areas, and adds the cones
   // from both centres over its power face. An edge that is not exposed has no free angle, exactly.
-  void add_edge(std::size_t e, const EdgeShape& shape, std::vector<Sums>& sums) const {
+  void add_edge(std::size_t e, const EdgeShape& shape, std::vector<BallSums>& sums) const {
     const DualEdge& edge = k_.edges[e];
     const double free_angle = edge.exposed ? 2 * std::numbers::pi - taken_dihedral_[e] : 0.0;
     const double face = face_area_[e] + shape.squared_circle_radius * free_angle / 2;
@@ -157,6 +158,21 @@ std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triang
   std::vector<SphereMeasures> measures = ConeSums(triangulation, complex).run();
   require_finite(measures);
   return measures;
+}
+
+std::vector<double> exposed_areas(const PowerTriangulation& triangulation,
+                                  const DualComplex& complex) {
+  std::vector<SphereMeasures> measures = ConeSums(triangulation, complex).run();
+  std::vector<double> areas;
+  areas.reserve(measures.size());
+  for (std::size_t v = 0; v < measures.size(); ++v) {
+    // A radius that is 0 once scaled, beside one that is not, has no area to speak of.
+    const bool is_lost = complex.exposed[v] && triangulation.balls[v].radius == 0;
+    measures[v].volume = is_lost ? std::numeric_limits<double>::infinity() : 0;
+    areas.push_back(measures[v].area);
+  }
+  require_finite(measures);
+  return areas;
 }
 
 void require_finite(const std::vector<SphereMeasures>& measures) {

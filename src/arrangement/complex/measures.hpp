@@ -1,11 +1,8 @@
-// Area and volume of the union from its dual complex, by two sets of formulas.
+// Area and volume of the union from its dual complex. The measures from arcs (arcs/arcs.hpp) share
+// nothing with them, and so check them and the complex.
 //
-// Both sets use the same complex and the same circles in which two spheres meet (edge_shape()). So
-// they check each other's sums, but not the complex. The measures from arcs (arcs/arcs.hpp) share
-// nothing with them and check the complex too.
-//
-// The first two functions return one entry for each ball of the triangulation: the exposed area of
-// its sphere and the volume of ball ∩ power cell. Lengths are scaled as in the triangulation.
+// The functions return one entry for each ball of the triangulation: the exposed area of its sphere
+// and the volume of ball ∩ power cell. Lengths are scaled as in the triangulation.
 #pragma once
 
 #include <vector>
@@ -23,12 +20,7 @@ namespace vdwmesh {
 std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triangulation,
                                                 const DualComplex& complex);
 
-// Gauss–Bonnet over the exposed patches (Euler characteristic, arcs, turning angles), and pyramids
-// from the centres over the faces of the power cells. It computes with the positions of corners.
-std::vector<SphereMeasures> gauss_bonnet(const PowerTriangulation& triangulation,
-                                         const DualComplex& complex);
-
-// The exposed areas of gauss_bonnet() alone, bit by bit, in a fraction of its time.
+// Its areas alone, whatever becomes of the volumes. Refuses exposed balls whose radius is 0 too.
 std::vector<double> exposed_areas(const PowerTriangulation& triangulation,
                                   const DualComplex& complex);
 

@@ -73,9 +73,4 @@ PowerTriangulation triangulate(PlacedBalls&& balls, Monitor* monitor,
   return out;
 }
 
-PowerTriangulation triangulate_part(const SphereSet& spheres, const BallFrame& frame,
-                                    Monitor* monitor, std::optional<std::size_t> blocks) {
-  return triangulate(placed_balls(spheres, frame), monitor, blocks);
-}
-
 }  // namespace vdwmesh

@@ -50,10 +50,5 @@ PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = null
 PowerTriangulation triangulate(PlacedBalls&& balls, Monitor* monitor = nullptr,
                                std::optional<std::size_t> blocks = std::nullopt,
                                std::uint64_t memory_limit = kNoMemoryLimit);
-// Triangulates a part of a set, given the frame of the whole set. Its balls have the order that
-// they have in the whole, and the same scale; the ids are indices in `spheres`.
-PowerTriangulation triangulate_part(const SphereSet& spheres, const BallFrame& frame,
-                                    Monitor* monitor = nullptr,
-                                    std::optional<std::size_t> blocks = std::nullopt);
 
 }  // namespace vdwmesh

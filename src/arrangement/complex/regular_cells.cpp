@@ -345,7 +345,7 @@ VDWMESH_INLINE void FlatTriangulation::make_forms(std::uint32_t origin) {
   const Sphere* const balls = balls_.data();
   const Lanes x0 = all_lanes(from.center.x), y0 = all_lanes(from.center.y),
               z0 = all_lanes(from.center.z), r0 = all_lanes(from.radius), one = all_lanes(1);
-  struct Four {
+  struct VectorLanes {
     Lanes x, y, z, w, size, large;  // a vector, its w, |.|, and its square + 1
   };
   const std::size_t count = facet_count_;
@@ -354,7 +354,7 @@ VDWMESH_INLINE void FlatTriangulation::make_forms(std::uint32_t origin) {
     for (std::size_t i = 0; i < kLanes; ++i)
       rows[i] = &form_balls_[first + i < count ? first + i : count - 1];
     const auto four_at = [&](std::size_t k) {
-      Four v;
+      VectorLanes v;
       v.x = lanes_at(&balls[rows[0]->others[k]].center.x);
       v.y = lanes_at(&balls[rows[1]->others[k]].center.x);
       v.z = lanes_at(&balls[rows[2]->others[k]].center.x);
@@ -369,7 +369,7 @@ VDWMESH_INLINE void FlatTriangulation::make_forms(std::uint32_t origin) {
       v.large = squared + one;
       return v;
     };
-    const Four b = four_at(0), c = four_at(1), d = four_at(2);
+    const VectorLanes b = four_at(0), c = four_at(1), d = four_at(2);
     const Lanes cdx = c.y * d.z - c.z * d.y, cdy = c.z * d.x - c.x * d.z,
                 cdz = c.x * d.y - c.y * d.x, dbx = d.y * b.z - d.z * b.y,
                 dby = d.z * b.x - d.x * b.z, dbz = d.x * b.y - d.y * b.x,

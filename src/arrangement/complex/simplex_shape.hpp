@@ -4,7 +4,8 @@
 // Well-shaped simplices are computed in double. Thin triangles, flat tetrahedra and very short
 // edges are computed in 100 decimal digits. Such simplices come from co-spherical, coplanar or
 // collinear centres with jitter, and from centres so near that squares of distances underflow. No
-// result depends on how flat or small a simplex is.
+// result depends on how flat or small a simplex is. The certificate has the same polynomials in
+// intervals (certificate/simplex_terms.hpp), where no test of flatness is needed.
 //
 // Lengths are scaled as in the triangulation: the largest radius is in [1/2, 1).
 #pragma once

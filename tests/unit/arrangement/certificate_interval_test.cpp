@@ -261,7 +261,7 @@ struct Misses {
   int simplices = 0, edges = 0, triangles = 0, cells = 0;
 };
 
-bool contains(const Terms& x, const Terms& inner) {
+bool contains(const MeasureTerms& x, const MeasureTerms& inner) {
   return contains(x.area, inner.area) && contains(x.volume, inner.volume);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
+#include "support/gauss_bonnet.hpp"
 
 // Relative; written so that NaN fails.
 #define EXPECT_RELATIVE(actual, expected, tolerance)                                     \
@@ -16,8 +17,16 @@
 
 namespace vdwmesh::testing {
 
+// Method cgal gets a check, by other formulas on the same complex.
 inline ExactUnion unite(std::vector<Sphere> spheres, UnionMethod method = UnionMethod::cgal) {
-  return exact_union(SphereSet(std::move(spheres)), {method, nullptr});
+  const SphereSet set(std::move(spheres));
+  ExactUnion result = exact_union(set, {method, nullptr});
+  if (method == UnionMethod::cgal) {
+    const SphereMeasures check = by_gauss_bonnet(set);
+    result.check_area = check.area;
+    result.check_volume = check.volume;
+  }
+  return result;
 }
 
 inline std::vector<Sphere> cubic_lattice(int side, double spacing, double radius) {

@@ -1,5 +1,4 @@
-// gauss_bonnet(): areas by the Gauss–Bonnet theorem, volumes by pyramids over power faces. And
-// exposed_areas(): the areas alone.
+// by_gauss_bonnet(): areas by the Gauss–Bonnet theorem, volumes by pyramids over power faces.
 //
 // For a ball of radius r, with the Euler characteristic χ of its exposed patches, and for each of
 // its radical planes the signed height h over the centre and the exposed angle φ of the circle in
@@ -13,19 +12,21 @@
 // Areas are summed ball by ball on all cores, over its triangles and then its arcs, in the order of
 // the complex. The terms of the volumes are computed on all cores, and then summed on one, in the
 // same order.
-#include <algorithm>
+#include "support/gauss_bonnet.hpp"
+
 #include <atomic>
 #include <cmath>
 #include <numbers>
 
 #include "arrangement/complex/boundary_shapes.hpp"
-#include "arrangement/complex/measures.hpp"
 #include "arrangement/directions.hpp"
+#include "arrangement/reference_measures.hpp"
+#include "arrangement/total_measures.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sorted_rows.hpp"
 #include "core/sum.hpp"
 
-namespace vdwmesh {
+namespace vdwmesh::testing {
 namespace {
 
 // Adds 2 π n to more than double precision. 2 π is split into a double and the rest, because the
@@ -230,22 +231,10 @@ class GaussBonnetSum {
 
 }  // namespace
 
-std::vector<SphereMeasures> gauss_bonnet(const PowerTriangulation& triangulation,
-                                         const DualComplex& complex) {
-  std::vector<SphereMeasures> measures = GaussBonnetSum(triangulation, complex).run();
-  require_finite(measures);
-  return measures;
+SphereMeasures by_gauss_bonnet(const SphereSet& spheres) {
+  const PowerTriangulation triangulation = triangulate(spheres);
+  return total_measures(in_order_of(
+      spheres, triangulation, GaussBonnetSum(triangulation, dual_complex(triangulation)).run()));
 }
 
-std::vector<double> exposed_areas(const PowerTriangulation& triangulation,
-                                  const DualComplex& complex) {
-  const BoundaryShapes shapes(triangulation, complex);
-  const std::vector<ExposedArc> arcs = exposed_arcs(triangulation, complex);
-  std::vector<double> areas =
-      AreaSum(triangulation, complex, shapes, arcs, arc_angles(shapes, arcs)).run();
-  const auto bad = std::ranges::find_if_not(areas, [](double a) { return std::isfinite(a); });
-  if (bad != areas.end()) require_finite({{*bad, 0}});
-  return areas;
-}
-
-}  // namespace vdwmesh
+}  // namespace vdwmesh::testing
