@@ -13,7 +13,7 @@
 
 #include "core/errors.hpp"
 #include "extract/area_estimate.hpp"
-#include "refine/preparation.hpp"
+#include "refine/crossings/preparation.hpp"
 
 namespace vdwmesh::apps {
 namespace {

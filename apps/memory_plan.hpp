@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "analysis/stage_bytes.hpp"
+#include "analysis/survey/stage_bytes.hpp"
 #include "options.hpp"
 #include "spheres/sphere_set.hpp"
-#include "steps.hpp"
+#include "steps/steps.hpp"
 
 namespace vdwmesh::apps {
 

@@ -10,8 +10,8 @@
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
-#include "mesh/output_file.hpp"
-#include "output.hpp"
+#include "mesh/formats/output_file.hpp"
+#include "report/output.hpp"
 
 namespace vdwmesh::apps {
 namespace {

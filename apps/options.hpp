@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "analysis/study.hpp"
-#include "arrangement/exact_union.hpp"
 #include "cuda/backend.hpp"
 #include "extract/extractor.hpp"
+#include "measures/exact_union.hpp"
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"
 

@@ -18,9 +18,9 @@
 #include <span>
 #include <string>
 
-#include "arrangement/arcs/arcs.hpp"
-#include "arrangement/exact_union.hpp"
 #include "core/errors.hpp"
+#include "measures/arcs/arcs.hpp"
+#include "measures/exact_union.hpp"
 #include "read_xyzr.hpp"
 
 namespace {

@@ -32,7 +32,7 @@
 #include <string_view>
 #include <vector>
 
-#include "arrangement/exact_mesher.hpp"
+#include "creases/exact_mesher.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/on_device.hpp"
 #include "structure/reader.hpp"

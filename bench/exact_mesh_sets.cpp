@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
-#include "arrangement/exact_mesher.hpp"
 #include "core/errors.hpp"
+#include "creases/exact_mesher.hpp"
 #include "support/sphere_recipes.hpp"
 #include "support/union_verdict.hpp"
 

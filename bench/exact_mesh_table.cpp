@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "analysis/mesh_measures.hpp"
-#include "arrangement/exact_mesher.hpp"
-#include "arrangement/exact_union.hpp"
+#include "creases/exact_mesher.hpp"
+#include "measures/exact_union.hpp"
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"
 #include "support/crease_survey.hpp"

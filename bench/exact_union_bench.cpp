@@ -16,13 +16,13 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/certificate/certify.hpp"
-#include "arrangement/complex/dual_complex.hpp"
-#include "arrangement/complex/measures.hpp"
-#include "arrangement/complex/power_triangulation.hpp"
-#include "arrangement/complex/topology.hpp"
-#include "arrangement/exact_union.hpp"
+#include "complex/dual_complex.hpp"
+#include "complex/power_triangulation.hpp"
 #include "core/errors.hpp"
+#include "measures/certificate/certify.hpp"
+#include "measures/exact_union.hpp"
+#include "measures/measures.hpp"
+#include "measures/topology.hpp"
 #include "structure/reader.hpp"
 
 namespace {

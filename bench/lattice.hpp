@@ -13,7 +13,7 @@
 
 #include "batch/molecule_spheres.hpp"
 #include "core/errors.hpp"
-#include "core/split_mix.hpp"
+#include "core/order/split_mix.hpp"
 #include "spheres/sphere_set.hpp"
 #include "structure/reader.hpp"
 

@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "arrangement/frame_measures.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/measure/device_measures.cuh"
 #include "cuda/memory/device.cuh"
+#include "measures/frame_measures.hpp"
 #include "read_xyzr.hpp"
 
 namespace vdwmesh {

@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/mesher/patch_batch.hpp"
-#include "arrangement/mesher/patch_device.hpp"
+#include "creases/share/patch_batch.hpp"
+#include "creases/share/patch_device.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/transfer.cuh"
 #include "cuda/mesher/mesh_patches.cuh"

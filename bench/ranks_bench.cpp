@@ -42,16 +42,16 @@
 #include <string_view>
 #include <vector>
 
-#include "arrangement/exact_sum.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "cuda/backend.hpp"
 #include "distributed/host_memory.hpp"
-#include "distributed/part_together.hpp"
-#include "distributed/surface_piece.hpp"
-#include "distributed/surface_shares.hpp"
-#include "distributed/union_together.hpp"
+#include "distributed/shares/surface_piece.hpp"
+#include "distributed/shares/surface_shares.hpp"
+#include "distributed/together/part_together.hpp"
+#include "distributed/together/union_together.hpp"
 #include "lattice.hpp"
+#include "measures/exact_sum.hpp"
 #include "memory.hpp"
 
 namespace vdwmesh {

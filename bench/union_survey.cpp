@@ -17,8 +17,8 @@
 #include <iterator>
 #include <mutex>
 
-#include "arrangement/arcs/arcs.hpp"
-#include "arrangement/exact_union.hpp"
+#include "measures/arcs/arcs.hpp"
+#include "measures/exact_union.hpp"
 #include "support/ball_families.hpp"
 
 namespace vdwmesh {

@@ -20,9 +20,9 @@
 #include "interrupt.hpp"
 #include "memory.hpp"
 #include "outcome.hpp"
-#include "output.hpp"
 #include "pipeline/pipeline_bench.hpp"
-#include "session.hpp"
+#include "report/output.hpp"
+#include "steps/session.hpp"
 #include "thesis/thesis_bench.hpp"
 
 namespace vdwmesh::apps {

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "analysis/distance_measurer.hpp"
-#include "arrangement/exact_mesher.hpp"
-#include "arrangement/union_measurer.hpp"
 #include "core/buffer.hpp"
+#include "creases/exact_mesher.hpp"
 #include "excluded/excluded_measurer.hpp"
 #include "extract/batch_extractor.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sampled_field.hpp"
+#include "measures/union_measurer.hpp"
 #include "refine/refiner.hpp"
 
 namespace vdwmesh {

@@ -9,7 +9,7 @@
 #include "cuda/on_device.hpp"
 #include "cuda/refine/device_refinement.cuh"
 #include "cuda/spheres/device_frames.cuh"
-#include "refine/preparation.hpp"
+#include "refine/crossings/preparation.hpp"
 
 namespace vdwmesh {
 

@@ -18,9 +18,9 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/exact_mesher.hpp"
-#include "arrangement/frame_measures.hpp"
+#include "creases/exact_mesher.hpp"
 #include "extract/extractor.hpp"
+#include "measures/frame_measures.hpp"
 #include "refine/refiner.hpp"
 #include "spheres/sphere_set.hpp"
 #include "surface/indexed_mesh.hpp"

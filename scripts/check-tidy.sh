@@ -18,8 +18,8 @@ if [ "$#" -eq 0 ]; then mapfile -t files < <(git ls-files -- 'src/*.cpp' 'apps/*
 check() {
   local extra=()
   case $1 in
-    src/structure/mmcif*.cpp) extra=(--extra-arg=-std=c++17) ;;
-    src/analysis/cgal_measures.cpp) extra=(--extra-arg=-fdelayed-template-parsing
+    src/structure/cif/mmcif*.cpp) extra=(--extra-arg=-std=c++17) ;;
+    src/analysis/survey/cgal_measures.cpp) extra=(--extra-arg=-fdelayed-template-parsing
       --extra-arg=-Wno-delayed-template-parsing-in-cxx20) ;;
   esac
   "$tool" -p "$build" --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option \

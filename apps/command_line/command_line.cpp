@@ -15,8 +15,8 @@
 #include "command_line/option_list.hpp"
 #include "core/errors.hpp"
 #include "mesh/mesh_io.hpp"
-#include "output.hpp"
 #include "refuse.hpp"
+#include "report/output.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::apps {

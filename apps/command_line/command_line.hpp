@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "options.hpp"
-#include "picture_options.hpp"
+#include "steps/picture_options.hpp"
 #include "study/study_options.hpp"
-#include "verbs.hpp"
+#include "verbs/verbs.hpp"
 
 namespace vdwmesh::apps {
 

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "printable.hpp"
+#include "report/printable.hpp"
 
 namespace vdwmesh::apps {
 namespace {

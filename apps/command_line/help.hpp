@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "command_line/option_list.hpp"
-#include "verbs.hpp"
+#include "verbs/verbs.hpp"
 
 namespace vdwmesh::apps {
 

@@ -9,7 +9,7 @@
 #include "analysis/quality_histograms.hpp"
 #include "command_line/parse.hpp"
 #include "options.hpp"
-#include "picture_options.hpp"
+#include "steps/picture_options.hpp"
 #include "study/study_options.hpp"
 
 namespace vdwmesh::apps {

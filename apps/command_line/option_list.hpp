@@ -10,7 +10,7 @@
 #include "command_line/command_line.hpp"
 #include "command_line/readers.hpp"
 #include "named_files.hpp"
-#include "verbs.hpp"
+#include "verbs/verbs.hpp"
 
 namespace vdwmesh::apps {
 

@@ -8,9 +8,9 @@
 #include <functional>
 #include <system_error>
 
-#include "arrangement/exact_mesher.hpp"
 #include "command_line/option_list.hpp"
 #include "core/letters.hpp"
+#include "creases/exact_mesher.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "memory.hpp"
 #include "mesh/mesh_io.hpp"

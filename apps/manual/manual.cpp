@@ -17,9 +17,9 @@
 #include "build_id.hpp"
 #include "command_line/help.hpp"
 #include "outcome.hpp"
-#include "output.hpp"
 #include "ranks/rank_program.hpp"
 #include "refuse.hpp"
+#include "report/output.hpp"
 
 namespace vdwmesh::apps {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "verbs.hpp"
+#include "verbs/verbs.hpp"
 
 namespace vdwmesh::apps {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "distributed/ranks.hpp"
-#include "session.hpp"
+#include "steps/session.hpp"
 
 namespace vdwmesh::apps {
 

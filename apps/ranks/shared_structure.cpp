@@ -16,8 +16,8 @@
 #include <utility>
 
 #include "core/fixed_blocks.hpp"
-#include "steps.hpp"
-#include "structure/unexpanded.hpp"
+#include "steps/steps.hpp"
+#include "structure/read/unexpanded.hpp"
 
 namespace vdwmesh::apps {
 namespace {

@@ -10,10 +10,10 @@
 #include "distributed/ranks.hpp"
 #include "mesh/element_color.hpp"
 #include "options.hpp"
-#include "session.hpp"
 #include "spheres/sphere_set.hpp"
-#include "structure/assembly.hpp"
+#include "steps/session.hpp"
 #include "structure/molecule.hpp"
+#include "structure/read/assembly.hpp"
 
 namespace vdwmesh::apps {
 

@@ -1,13 +1,13 @@
 // The verb exact of vdwmesh-mpi: the exact measures of the union, of which every rank measures a
 // share. The report, its JSON and the table of atoms are those of the plain program.
-#include "distributed/union_together.hpp"
-#include "exact_steps.hpp"
-#include "output.hpp"
-#include "per_atom.hpp"
+#include "distributed/together/union_together.hpp"
 #include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
 #include "ranks/shared_structure.hpp"
-#include "steps.hpp"
+#include "report/output.hpp"
+#include "report/per_atom.hpp"
+#include "steps/exact_steps.hpp"
+#include "steps/steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {

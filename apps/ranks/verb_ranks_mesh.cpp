@@ -2,25 +2,25 @@
 // part of the surface. The report is that of the plain program.
 #include <chrono>
 
-#include "distributed/components_together.hpp"
-#include "distributed/exact_piece.hpp"
-#include "distributed/examine_together.hpp"
-#include "distributed/ply_file.hpp"
-#include "distributed/refine_together.hpp"
-#include "distributed/shared_file.hpp"
-#include "distributed/surface_piece.hpp"
-#include "distributed/vtkhdf_file.hpp"
-#include "edge_lengths.hpp"
-#include "exact_steps.hpp"
-#include "grid_checks.hpp"
+#include "distributed/files/ply_file.hpp"
+#include "distributed/files/shared_file.hpp"
+#include "distributed/files/vtkhdf_file.hpp"
+#include "distributed/shares/exact_piece.hpp"
+#include "distributed/shares/surface_piece.hpp"
+#include "distributed/together/components_together.hpp"
+#include "distributed/together/examine_together.hpp"
+#include "distributed/together/refine_together.hpp"
 #include "interrupt.hpp"
 #include "named_files.hpp"
-#include "output.hpp"
 #include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
 #include "ranks/shared_structure.hpp"
 #include "refuse.hpp"
-#include "steps.hpp"
+#include "report/output.hpp"
+#include "steps/edge_lengths.hpp"
+#include "steps/exact_steps.hpp"
+#include "steps/grid_checks.hpp"
+#include "steps/steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {

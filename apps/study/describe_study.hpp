@@ -3,7 +3,7 @@
 #pragma once
 
 #include "analysis/study.hpp"
-#include "describe.hpp"
+#include "report/describe.hpp"
 
 namespace vdwmesh::apps {
 

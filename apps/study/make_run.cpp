@@ -9,10 +9,10 @@
 #include "command_line/names.hpp"
 #include "excluded/excluded_comparison.hpp"
 #include "excluded/excluded_distances.hpp"
-#include "excluded_steps.hpp"
 #include "memory.hpp"
 #include "memory_plan.hpp"
-#include "stopwatch.hpp"
+#include "steps/excluded_steps.hpp"
+#include "steps/stopwatch.hpp"
 
 namespace vdwmesh::apps {
 namespace {

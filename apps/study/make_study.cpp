@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "command_line/names.hpp"
-#include "excluded_steps.hpp"
-#include "stopwatch.hpp"
+#include "steps/excluded_steps.hpp"
+#include "steps/stopwatch.hpp"
 #include "study/make_run.hpp"
 #include "study/plan.hpp"
 #include "study/records.hpp"

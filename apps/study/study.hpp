@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "analysis/study.hpp"
-#include "exact_steps.hpp"
-#include "json_text.hpp"
-#include "report.hpp"
-#include "steps.hpp"
+#include "report/json_text.hpp"
+#include "report/report.hpp"
+#include "steps/exact_steps.hpp"
+#include "steps/steps.hpp"
 #include "study/study_options.hpp"
 
 namespace vdwmesh::apps {

@@ -1,7 +1,7 @@
 // One row per run. The cells are those that the descriptions of a run's parts give, so that a
 // column has the name of the member that it shows; the header says which of them are shown, and in
 // which order. A figure that was not computed leaves its cell empty.
-#include "csv.hpp"
+#include "report/csv.hpp"
 #include "study/describe_study.hpp"
 #include "study/study.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "build_id.hpp"
-#include "describe_report.hpp"
+#include "report/describe_report.hpp"
 #include "study/describe_study.hpp"
 #include "study/study.hpp"
 

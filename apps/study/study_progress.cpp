@@ -7,7 +7,7 @@
 
 #include <utility>
 
-#include "printable.hpp"
+#include "report/printable.hpp"
 
 namespace vdwmesh::apps {
 

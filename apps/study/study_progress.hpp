@@ -5,7 +5,7 @@
 #include <string>
 
 #include "progress.hpp"
-#include "stopwatch.hpp"
+#include "steps/stopwatch.hpp"
 
 namespace vdwmesh::apps {
 

@@ -21,8 +21,8 @@
 
 #include "anchors/anchors.hpp"
 #include "anchors/apart.hpp"
-#include "arrangement/exact_union.hpp"
 #include "extract/extractor.hpp"
+#include "measures/exact_union.hpp"
 #include "parse_list.hpp"
 #include "structure/reader.hpp"
 

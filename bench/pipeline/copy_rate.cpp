@@ -8,7 +8,7 @@
 #include <cstring>
 #include <memory>
 
-#include "stopwatch.hpp"
+#include "steps/stopwatch.hpp"
 
 namespace vdwmesh::apps {
 namespace {

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "cuda/backend.hpp"
-#include "exact_steps.hpp"
 #include "mesh/mesh_io.hpp"
 #include "pipeline/stage_clock.hpp"
-#include "steps.hpp"
+#include "steps/exact_steps.hpp"
+#include "steps/steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {

@@ -10,7 +10,7 @@
 #include "command_line/names.hpp"
 #include "options.hpp"
 #include "pipeline/copy_rate.hpp"
-#include "report.hpp"
+#include "report/report.hpp"
 
 namespace vdwmesh::apps {
 

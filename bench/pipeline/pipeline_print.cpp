@@ -6,10 +6,10 @@
 #include <iterator>
 
 #include "build_id.hpp"
-#include "csv.hpp"
-#include "json_text.hpp"
 #include "pipeline/pipeline_bench.hpp"
-#include "printable.hpp"
+#include "report/csv.hpp"
+#include "report/json_text.hpp"
+#include "report/printable.hpp"
 
 namespace vdwmesh::apps {
 namespace {

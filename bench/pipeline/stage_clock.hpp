@@ -8,7 +8,7 @@
 #include "core/monitor.hpp"
 #include "memory.hpp"
 #include "pipeline/pipeline_bench.hpp"
-#include "stopwatch.hpp"
+#include "steps/stopwatch.hpp"
 
 namespace vdwmesh::apps {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "cuda/backend.hpp"
-#include "stopwatch.hpp"
+#include "steps/stopwatch.hpp"
 #include "structure/reader.hpp"
 #include "thesis/thesis_programs.hpp"
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "build_id.hpp"
-#include "csv.hpp"
-#include "json_text.hpp"
+#include "report/csv.hpp"
+#include "report/json_text.hpp"
 #include "thesis/thesis_bench.hpp"
 
 namespace vdwmesh::apps {

@@ -1,9 +1,9 @@
-// The area of a mesh as an interval (analysis/mesh_area.hpp), in device memory.
+// The area of a mesh as an interval (analysis/survey/mesh_area.hpp), in device memory.
 #pragma once
 
 #include <vector>
 
-#include "analysis/mesh_area.hpp"
+#include "analysis/survey/mesh_area.hpp"
 #include "cuda/distances/device_tree.cuh"
 #include "cuda/memory/device_memory.cuh"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "analysis/distances_statistics.hpp"
+#include "analysis/distances/distances_statistics.hpp"
 #include "cuda/memory/device_memory.cuh"
 
 namespace vdwmesh::distance {

@@ -2,7 +2,7 @@
 // each node, level by level.
 #include <cub/device/device_radix_sort.cuh>
 
-#include "analysis/box_tree_build.hpp"
+#include "analysis/distances/box_tree_build.hpp"
 #include "cuda/distances/device_tree.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"

@@ -1,12 +1,12 @@
-// Box trees in device memory, built there by the formulas of the host (analysis/box_tree_build.hpp)
-// over the triangles of a mesh or over balls.
+// Box trees in device memory, built there by the formulas of the host
+// (analysis/distances/box_tree_build.hpp) over the triangles of a mesh or over balls.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "analysis/box_tree_view.hpp"
-#include "analysis/triangle_points.hpp"
+#include "analysis/distances/box_tree_view.hpp"
+#include "analysis/distances/triangle_points.hpp"
 #include "cuda/memory/device_memory.cuh"
 #include "surface/indexed_mesh.hpp"
 

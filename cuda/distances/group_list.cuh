@@ -10,7 +10,7 @@
 
 #include <cstdint>
 
-#include "analysis/box_tree_view.hpp"
+#include "analysis/distances/box_tree_view.hpp"
 #include "cuda/memory/warp.cuh"
 
 namespace vdwmesh::distance {

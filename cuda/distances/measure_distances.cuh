@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
-#include "analysis/distances_plan.hpp"
-#include "analysis/exposed_surface.hpp"
-#include "analysis/surface_search.hpp"
+#include "analysis/distances/distances_plan.hpp"
+#include "analysis/distances/exposed_surface.hpp"
+#include "analysis/distances/surface_search.hpp"
 #include "core/monitor.hpp"
 #include "cuda/distances/device_tree.cuh"
 #include "cuda/memory/device_memory.cuh"

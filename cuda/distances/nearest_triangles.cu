@@ -17,9 +17,9 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <limits>
 
-#include "analysis/box_tree_build.hpp"
-#include "analysis/distances_triangle.hpp"
-#include "core/hilbert.hpp"
+#include "analysis/distances/box_tree_build.hpp"
+#include "analysis/distances/distances_triangle.hpp"
+#include "core/order/hilbert.hpp"
 #include "cuda/distances/group_list.cuh"
 #include "cuda/distances/measure_distances.cuh"
 #include "cuda/distances/warp_search.cuh"

@@ -5,8 +5,8 @@
 // back to the order in which they were given.
 #include <algorithm>
 
-#include "arrangement/arcs/arc_cap.hpp"
 #include "cuda/excluded/device_executor.cuh"
+#include "measures/arcs/arc_cap.hpp"
 
 namespace vdwmesh::excluded::elements {
 namespace {

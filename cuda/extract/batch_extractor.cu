@@ -13,7 +13,7 @@
 #include "core/errors.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/extract/batch_on_device.cuh"
-#include "cuda/extract/brick_mesher.cuh"
+#include "cuda/extract/bricks/brick_mesher.cuh"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/transfer.cuh"
 #include "extract/batch_extractor.hpp"

@@ -10,7 +10,7 @@
 
 #include "cuda/count_part.hpp"
 #include "cuda/cuda_backend.hpp"
-#include "cuda/extract/brick_mesher.cuh"
+#include "cuda/extract/bricks/brick_mesher.cuh"
 #include "cuda/extract/field_source.cuh"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/launch.cuh"

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/bricks/extract_stages.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/transfer.cuh"
 #include "extract/blended/field_formulas.hpp"

@@ -11,9 +11,9 @@
 #include <algorithm>
 #include <string>
 
-#include "cuda/extract/brick_warp.cuh"
+#include "cuda/extract/bricks/brick_warp.cuh"
+#include "cuda/extract/bricks/marked_bricks.cuh"
 #include "cuda/extract/field_source.cuh"
-#include "cuda/extract/marked_bricks.cuh"
 #include "cuda/memory/launch.cuh"
 #include "extract/blended/sampled_formulas.hpp"
 

@@ -2,7 +2,7 @@
 // device.
 #pragma once
 
-#include "cuda/extract/brick_source.cuh"
+#include "cuda/extract/bricks/brick_source.cuh"
 
 namespace vdwmesh {
 

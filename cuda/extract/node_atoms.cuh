@@ -3,8 +3,8 @@
 // then combines only three terms per atom, when count_bricks.cu sums a blended field.
 #pragma once
 
-#include "cuda/extract/extract_stages.cuh"
-#include "cuda/extract/ordered_gather.cuh"
+#include "cuda/extract/bricks/extract_stages.cuh"
+#include "cuda/extract/bricks/ordered_gather.cuh"
 #include "extract/blended/local_atom.hpp"
 
 namespace vdwmesh {

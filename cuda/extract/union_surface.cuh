@@ -5,9 +5,9 @@
 // inside end, first leaves the union (first_exit()).
 #pragma once
 
-#include "cuda/extract/extract_stages.cuh"
-#include "cuda/extract/kept_bricks.cuh"
-#include "cuda/extract/ordered_gather.cuh"
+#include "cuda/extract/bricks/extract_stages.cuh"
+#include "cuda/extract/bricks/kept_bricks.cuh"
+#include "cuda/extract/bricks/ordered_gather.cuh"
 #include "extract/blended/edge_formulas.hpp"
 #include "extract/bricks/brick_geometry.hpp"
 #include "extract/bricks/edge_vertex.hpp"

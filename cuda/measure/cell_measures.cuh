@@ -18,8 +18,8 @@
 // Whatever leaves a doubt ends the measurement.
 #pragma once
 
-#include "arrangement/arcs/doubts.hpp"
 #include "cuda/measure/power_cell.cuh"
+#include "measures/arcs/doubts.hpp"
 
 namespace vdwmesh::measure {
 
@@ -31,7 +31,7 @@ __device__ __forceinline__ UnitFactor operator*(const UnitFactor& a, const UnitF
 }
 
 inline constexpr double kPi = 3.14159265358979323846;
-// What else raises a doubt; the tolerances that both backends have are in arrangement/arcs/doubts.
+// What else raises a doubt; the tolerances that both backends have are in measures/arcs/doubts.
 using arcs::kMaxError, arcs::kMaxOpen, arcs::kNearlyParallel, arcs::kRounding, arcs::kTinyAngle;
 // A vertex at the distance kTouching from the sphere has this squared distance from the centre,
 // less 1.

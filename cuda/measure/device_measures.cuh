@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
-#include "arrangement/union_measurer.hpp"
 #include "cuda/measure/batch_cells.cuh"
+#include "measures/exact_union.hpp"
+#include "measures/union_measurer.hpp"
 
 namespace vdwmesh::measure {
 

@@ -6,11 +6,11 @@
 // ball for which that is too small as well, and one that leaves a doubt, is listed for the host.
 #include <cuda_runtime.h>
 
-#include "arrangement/arcs/arc_cap.hpp"
 #include "cuda/measure/batch_cells.cuh"
 #include "cuda/measure/cell_measures.cuh"
 #include "cuda/measure/device_measures.cuh"
 #include "cuda/memory/launch.cuh"
+#include "measures/arcs/arc_cap.hpp"
 
 namespace vdwmesh::measure {
 namespace {

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <limits>
 
-#include "arrangement/batch_frames.hpp"
-#include "arrangement/measured_spheres.hpp"
 #include "cuda/measure/device_measures.cuh"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_result.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/on_device.hpp"
 #include "cuda/spheres/device_frames.cuh"
+#include "measures/batch_frames.hpp"
+#include "measures/measured_spheres.hpp"
 
 namespace vdwmesh {
 

@@ -14,9 +14,9 @@
 
 #include <cstdint>
 
-#include "arrangement/arcs/arc_cap.hpp"
 #include "core/vec3.hpp"
 #include "cuda/memory/warp.cuh"
+#include "measures/arcs/arc_cap.hpp"
 
 namespace vdwmesh::measure {
 

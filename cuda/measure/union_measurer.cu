@@ -13,9 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/arcs/arc_cap.hpp"
-#include "arrangement/reference_measures.hpp"
-#include "arrangement/union_measurer.hpp"
 #include "core/errors.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/measure/batch_cells.cuh"
@@ -27,6 +24,9 @@
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
+#include "measures/arcs/arc_cap.hpp"
+#include "measures/reference_measures.hpp"
+#include "measures/union_measurer.hpp"
 
 namespace vdwmesh::measure {
 namespace {

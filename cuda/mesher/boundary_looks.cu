@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "arrangement/mesher/boundary_look.hpp"
-#include "arrangement/mesher/look_batch.hpp"
 #include "core/fixed_blocks.hpp"
+#include "creases/share/boundary_look.hpp"
+#include "creases/share/look_batch.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/run_on_threads.hpp"

@@ -1,10 +1,10 @@
 // First looks at boundaries on a device: a kernel that looks at each with one thread, and the
-// batches in which boundaries get there (arrangement/mesher/look_batch.hpp).
+// batches in which boundaries get there (creases/share/look_batch.hpp).
 #pragma once
 
 #include <cstdint>
 
-#include "arrangement/mesher/patch_device.hpp"
+#include "creases/share/patch_device.hpp"
 
 namespace vdwmesh::mesher {
 

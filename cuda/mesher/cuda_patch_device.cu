@@ -6,7 +6,6 @@
 #include <memory>
 #include <span>
 
-#include "arrangement/many_unions.hpp"
 #include "core/fixed_blocks.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/run_on_threads.hpp"
@@ -15,6 +14,7 @@
 #include "cuda/mesher/boundary_looks.cuh"
 #include "cuda/mesher/cuda_patch_device.cuh"
 #include "cuda/mesher/mesh_parts.cuh"
+#include "measures/many_unions.hpp"
 
 namespace vdwmesh::mesher {
 namespace {

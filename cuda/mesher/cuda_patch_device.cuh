@@ -22,8 +22,8 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/mesher/patch_batch.hpp"
-#include "arrangement/mesher/patch_device.hpp"
+#include "creases/share/patch_batch.hpp"
+#include "creases/share/patch_device.hpp"
 #include "cuda/mesher/batch_rooms.cuh"
 #include "cuda/mesher/kept_patches.cuh"
 

@@ -6,7 +6,7 @@
 #include <deque>
 #include <vector>
 
-#include "arrangement/mesher/patch_mesher.hpp"
+#include "creases/patch/patch_mesher.hpp"
 #include "cuda/mesher/mesh_patches.cuh"
 
 namespace vdwmesh::mesher {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "arrangement/mesher/patch_device.hpp"
+#include "creases/share/patch_device.hpp"
 #include "cuda/mesher/kept_patches.cuh"
 #include "surface/indexed_mesh.hpp"
 

@@ -3,7 +3,7 @@
 // for nearly every atom.
 #include <new>
 
-#include "arrangement/mesher/bounded_patch.hpp"
+#include "creases/plane/bounded_patch.hpp"
 #include "cuda/memory/launch.cuh"
 #include "cuda/mesher/mesh_patches.cuh"
 

@@ -1,4 +1,4 @@
-// Kernels that mesh patches (arrangement/mesher/bounded_patch.hpp), gather what came out, and write
+// Kernels that mesh patches (creases/plane/bounded_patch.hpp), gather what came out, and write
 // it and the boundaries between patches into a mesh.
 #pragma once
 
@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "arrangement/mesher/boundary_vertex.hpp"
-#include "arrangement/mesher/bounded_patch.hpp"
+#include "creases/plane/boundary_vertex.hpp"
+#include "creases/plane/bounded_patch.hpp"
 #include "cuda/memory/device_structures.cuh"
 
 namespace vdwmesh::mesher {

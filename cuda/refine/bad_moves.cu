@@ -1,6 +1,6 @@
 // Takes bad moves back in passes. A pass first tests triangles and marks the vertices whose moves
 // are bad, then puts all marked vertices back at once, so the order of the triangles does not
-// matter. refine/bad_moves.hpp says which moves are bad and why the passes end.
+// matter. refine/crossings/bad_moves.hpp says which moves are bad and why the passes end.
 //
 // Level 0 has the smallest mesh, so each of its passes simply launches a thread per triangle. On
 // later levels most midpoints move, and one or two in a hundred go back. There the marked midpoints

@@ -1,5 +1,6 @@
 // Finds and takes back bad moves on the device: those that turn a triangle over or make triangles
-// cross (refine/bad_moves.hpp defines them). The results are those of the CPU, bit for bit.
+// cross (refine/crossings/bad_moves.hpp defines them). The results are those of the CPU, bit for
+// bit.
 #pragma once
 
 #include "cuda/refine/refine_levels.cuh"

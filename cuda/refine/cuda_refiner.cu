@@ -6,7 +6,7 @@
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/refine/device_refinement.cuh"
-#include "refine/preparation.hpp"
+#include "refine/crossings/preparation.hpp"
 
 namespace vdwmesh {
 

@@ -1,10 +1,10 @@
 // Search for crossing triangles of a level in device memory. It takes the steps of the CPU
-// (refine/bad_moves.cpp): a uniform grid lists patches; of two patches near each other, those that
-// share a star are left out; then quarters of the two are compared by their boxes, parts (on level
-// 1 patches, before their quarters) by walls, and what is left triangle by triangle. The grid has
-// other cells than the CPU's, and boxes are in single precision. The triangles found are the same
-// all the same, because all of this only has to let all pairs pass that cross;
-// refine/crossing_formulas.hpp decides about each in double.
+// (refine/crossings/bad_moves.cpp): a uniform grid lists patches; of two patches near each other,
+// those that share a star are left out; then quarters of the two are compared by their boxes, parts
+// (on level 1 patches, before their quarters) by walls, and what is left triangle by triangle. The
+// grid has other cells than the CPU's, and boxes are in single precision. The triangles found are
+// the same all the same, because all of this only has to let all pairs pass that cross;
+// refine/crossings/crossing_formulas.hpp decides about each in double.
 #pragma once
 
 #include <array>

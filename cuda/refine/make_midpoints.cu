@@ -11,7 +11,7 @@
 // (warp_balls.cuh). The results equal those of the CPU, bit for bit.
 #include "cuda/refine/make_vertices.cuh"
 #include "cuda/refine/warp_balls.cuh"
-#include "refine/constraint_formulas.hpp"
+#include "refine/crossings/constraint_formulas.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -27,8 +27,8 @@ void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& l
                               MoveState* move_states, DeviceStats* stats, const Stream& stream);
 
 // The same for a mesh with labelled triangles: each midpoint goes to the sphere or circle of the
-// two triangles at its edge (refine/constraint_formulas.hpp). No move of such a midpoint is taken
-// back, so it has no state.
+// two triangles at its edge (refine/crossings/constraint_formulas.hpp). No move of such a midpoint
+// is taken back, so it has no state.
 void make_constrained_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
                                           DeviceStats* stats, const Stream& stream);
 

@@ -9,7 +9,7 @@
 
 #include "cuda/memory/warp.cuh"
 #include "cuda/refine/device_crossings.cuh"
-#include "refine/crossing_formulas.hpp"
+#include "refine/crossings/crossing_formulas.hpp"
 
 namespace vdwmesh {
 
@@ -159,8 +159,8 @@ __device__ inline void load_part(const MidpointLevel& level, std::uint64_t part,
 }
 
 // Whether a wall of part a keeps out part b, so that no triangle of one crosses a triangle of the
-// other. refine/patch_outline.hpp has the definition of walls, the proof, and that of the margin.
-// `reach` is the largest coordinate of both.
+// other. refine/crossings/patch_outline.hpp has the definition of walls, the proof, and that of the
+// margin. `reach` is the largest coordinate of both.
 __device__ inline bool keeps_out(const PartOutline& a, const PartOutline& b, double reach) {
   const double margin = 0x1p-40 * reach * reach;
 #pragma unroll

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <string>
 
-#include "arrangement/batch_frames.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/ordered_bits.cuh"
 #include "cuda/memory/transfer.cuh"
 #include "cuda/spheres/device_frames.cuh"
+#include "measures/batch_frames.hpp"
 #include "spheres/check_sphere.hpp"
 
 namespace vdwmesh {

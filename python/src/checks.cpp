@@ -13,8 +13,8 @@
 #include "core/errors.hpp"
 #include "excluded/excluded_comparison.hpp"
 #include "excluded/excluded_distances.hpp"
+#include "mesh/connect/weld.hpp"
 #include "mesh/mesh_io.hpp"
-#include "mesh/weld.hpp"
 #include "mesh_handle.hpp"
 #include "topics.hpp"
 

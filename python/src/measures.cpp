@@ -7,13 +7,13 @@
 #include <limits>
 #include <map>
 
-#include "arrangement/frame_measures.hpp"
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "cuda_array.hpp"
 #include "devices.hpp"
+#include "measures/frame_measures.hpp"
 #include "options.hpp"
 #include "topics.hpp"
 

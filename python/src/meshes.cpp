@@ -9,10 +9,10 @@
 #include <map>
 
 #include "../../apps/memory.hpp"
-#include "arrangement/exact_mesher.hpp"
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
+#include "creases/exact_mesher.hpp"
 #include "cuda_array.hpp"
 #include "devices.hpp"
 #include "excluded/excluded_mesher.hpp"

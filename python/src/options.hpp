@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "arrangement/exact_union.hpp"
+#include "measures/exact_union.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::python {

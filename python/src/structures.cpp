@@ -18,12 +18,12 @@
 #include "core/letters.hpp"
 #include "errors.hpp"
 #include "options.hpp"
-#include "structure/elements.hpp"
-#include "structure/hierarchy.hpp"
-#include "structure/parsed_file.hpp"
+#include "structure/molecule/elements.hpp"
+#include "structure/molecule/site.hpp"
 #include "structure/radii.hpp"
+#include "structure/read/hierarchy.hpp"
+#include "structure/read/parsed_file.hpp"
 #include "structure/reader.hpp"
-#include "structure/site.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {

@@ -8,8 +8,8 @@
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
-#include "arrangement/exact_union.hpp"
 #include "core/buffer.hpp"
+#include "measures/exact_union.hpp"
 
 namespace vdwmesh {
 

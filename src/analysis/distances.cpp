@@ -21,12 +21,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/distances_blocks.hpp"
-#include "analysis/distances_plan.hpp"
-#include "analysis/distances_samples.hpp"
-#include "analysis/exposed_surface.hpp"
-#include "analysis/mesh_finder.hpp"
-#include "analysis/mesh_to_surface.hpp"
+#include "analysis/distances/distances_blocks.hpp"
+#include "analysis/distances/distances_plan.hpp"
+#include "analysis/distances/distances_samples.hpp"
+#include "analysis/distances/exposed_surface.hpp"
+#include "analysis/distances/mesh_finder.hpp"
+#include "analysis/distances/mesh_to_surface.hpp"
 #include "analysis/signed_distance.hpp"
 #include "core/fixed_blocks.hpp"
 

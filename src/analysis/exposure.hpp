@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "arrangement/exact_union.hpp"
 #include "core/sum.hpp"
+#include "measures/exact_union.hpp"
 #include "structure/molecule.hpp"
 #include "structure/reference_areas.hpp"
 

@@ -6,10 +6,10 @@
 
 #include <utility>
 
-#include "analysis/distribution.hpp"
-#include "analysis/edge_survey.hpp"
-#include "analysis/quality_parts.hpp"
-#include "analysis/shell_sums.hpp"
+#include "analysis/distances/distribution.hpp"
+#include "analysis/survey/edge_survey.hpp"
+#include "analysis/survey/quality_parts.hpp"
+#include "analysis/survey/shell_sums.hpp"
 #include "core/blocks.hpp"
 #include "surface/box.hpp"
 

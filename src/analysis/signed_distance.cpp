@@ -1,8 +1,8 @@
 // Measures points with a SurfaceFinder, block by block.
 #include "analysis/signed_distance.hpp"
 
-#include "analysis/distances_plan.hpp"
-#include "analysis/exposed_surface.hpp"
+#include "analysis/distances/distances_plan.hpp"
+#include "analysis/distances/exposed_surface.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
 #include "batch/structure_source.hpp"
 #include "core/monitor.hpp"
+#include "measures/exact_union.hpp"
 #include "structure/molecule.hpp"
 #include "structure/reader.hpp"
 

@@ -16,7 +16,7 @@
 #include <functional>
 #include <optional>
 
-#include "core/multiversion.hpp"
+#include "core/lanes/multiversion.hpp"
 
 namespace vdwmesh {
 

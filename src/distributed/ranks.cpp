@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "distributed/failure.hpp"
-#include "distributed/pieces.hpp"
+#include "distributed/shares/pieces.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -7,15 +7,15 @@
 
 #include <algorithm>
 
-#include "analysis/distances_blocks.hpp"
-#include "analysis/distances_plan.hpp"
-#include "analysis/mesh_finder.hpp"
-#include "analysis/mesh_to_surface.hpp"
-#include "analysis/stage_bytes.hpp"
+#include "analysis/distances/distances_blocks.hpp"
+#include "analysis/distances/distances_plan.hpp"
+#include "analysis/distances/mesh_finder.hpp"
+#include "analysis/distances/mesh_to_surface.hpp"
+#include "analysis/survey/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
-#include "excluded/excluded_finder.hpp"
-#include "excluded/surface_samples.hpp"
+#include "excluded/distances/excluded_finder.hpp"
+#include "excluded/distances/surface_samples.hpp"
 
 namespace vdwmesh {
 namespace {

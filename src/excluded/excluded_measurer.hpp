@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "arrangement/union_measurer.hpp"
 #include "core/monitor.hpp"
 #include "excluded/excluded_measures.hpp"
+#include "measures/union_measurer.hpp"
 
 namespace vdwmesh {
 

@@ -13,15 +13,15 @@
 #include <cmath>
 #include <utility>
 
-#include "arrangement/complex/measures.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
-#include "excluded/atom_shares.hpp"
-#include "excluded/excluded_shells.hpp"
-#include "excluded/grown_atoms.hpp"
-#include "excluded/patch_records.hpp"
-#include "excluded/saddle.hpp"
+#include "excluded/patches/atom_shares.hpp"
+#include "excluded/patches/patch_records.hpp"
+#include "excluded/patches/saddle.hpp"
+#include "excluded/probes/excluded_shells.hpp"
+#include "excluded/probes/grown_atoms.hpp"
+#include "measures/measures.hpp"
 
 namespace vdwmesh {
 namespace {

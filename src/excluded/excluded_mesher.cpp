@@ -22,13 +22,13 @@
 #include <string>
 #include <utility>
 
-#include "arrangement/directions.hpp"
-#include "arrangement/mesher/flat_boundary.hpp"
-#include "arrangement/mesher/mesh_team.hpp"
 #include "core/errors.hpp"
-#include "excluded/excluded_shells.hpp"
+#include "creases/plane/flat_boundary.hpp"
+#include "creases/share/mesh_team.hpp"
 #include "excluded/mesher/curve_complex.hpp"
 #include "excluded/mesher/saddle_mesher.hpp"
+#include "excluded/probes/excluded_shells.hpp"
+#include "spheres/directions.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -24,7 +24,7 @@
 
 #include "core/fixed_blocks.hpp"
 #include "core/joined_arrays.hpp"
-#include "core/multiversion.hpp"
+#include "core/lanes/multiversion.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/blended/field_sample.hpp"
 #include "extract/field_list.hpp"

@@ -1,6 +1,6 @@
 // Estimates how much surface a set of balls has, and where, without extracting a mesh. The
 // program's memory plan (apps/memory_plan.cpp) uses it to predict the size of the mesh, and ranks
-// share the surface by it (distributed/surface_shares.hpp).
+// share the surface by it (distributed/shares/surface_shares.hpp).
 #pragma once
 
 #include <span>

@@ -14,7 +14,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/multiversion.hpp"
+#include "core/lanes/multiversion.hpp"
 #include "extract/blended/block_bounds.hpp"
 
 namespace vdwmesh {

@@ -3,7 +3,7 @@
 // signs and vertices of the field's kind.
 #include <vector>
 
-#include "core/multiversion.hpp"
+#include "core/lanes/multiversion.hpp"
 #include "extract/blended/blended_brick.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/bricks/brick_mesher.hpp"

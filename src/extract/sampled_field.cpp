@@ -2,7 +2,7 @@
 // vertices from the stored values instead of the spheres.
 #include "extract/sampled_field.hpp"
 
-#include "core/multiversion.hpp"
+#include "core/lanes/multiversion.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 #include "extract/bricks/brick_mesher.hpp"
 #include "extract/limits.hpp"

@@ -18,7 +18,7 @@
 #include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
 #include "core/letters.hpp"
-#include "mesh/formats.hpp"
+#include "mesh/formats/formats.hpp"
 #include "surface/triangle_check.hpp"
 
 namespace vdwmesh {

@@ -16,8 +16,8 @@
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
-#include "mesh/connectivity.hpp"
-#include "mesh/edge_buckets.hpp"
+#include "mesh/connect/connectivity.hpp"
+#include "mesh/connect/edge_buckets.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/surface_handles.hpp"
 #include "surface/triangle_check.hpp"

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "core/blocks.hpp"
-#include "refine/constraint_formulas.hpp"
+#include "refine/crossings/constraint_formulas.hpp"
+#include "refine/crossings/preparation.hpp"
 #include "refine/level.hpp"
-#include "refine/preparation.hpp"
 #include "refine/refiner.hpp"
 
 namespace vdwmesh {

@@ -3,10 +3,11 @@
 // subdivide() makes a finer mesh from a mesh, its parent. It numbers the parent's edges, copies the
 // parent's vertices to the front of the new arrays, writes the four children of each triangle,
 // makes one midpoint per edge, and takes bad moves back. A move of a vertex is bad if it turns a
-// triangle against its atom's outward normal or makes two triangles cross (refine/bad_moves.hpp).
-// If triangles are labelled with their spheres, no move is taken back: a midpoint is put on the
-// spheres of the two triangles at its edge (constrained_midpoints.hpp). project_given() does the
-// projection and the taking back for the vertices of the given mesh.
+// triangle against its atom's outward normal or makes two triangles cross
+// (refine/crossings/bad_moves.hpp). If triangles are labelled with their spheres, no move is taken
+// back: a midpoint is put on the spheres of the two triangles at its edge
+// (constrained_midpoints.hpp). project_given() does the projection and the taking back for the
+// vertices of the given mesh.
 //
 // The code that takes moves back sees all cases through views, Given, Midpoints and
 // DividedMidpoints, which refer to the meshes and own nothing (refine/level_view.hpp). All loops
@@ -23,13 +24,13 @@
 #include <optional>
 
 #include "core/blocks.hpp"
-#include "refine/bad_moves.hpp"
 #include "refine/children.hpp"
-#include "refine/constrained_midpoints.hpp"
-#include "refine/constraint_formulas.hpp"
+#include "refine/crossings/bad_moves.hpp"
+#include "refine/crossings/constrained_midpoints.hpp"
+#include "refine/crossings/constraint_formulas.hpp"
+#include "refine/crossings/vertex_moves.hpp"
 #include "refine/half_edges.hpp"
 #include "refine/subdivision_formulas.hpp"
-#include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
 namespace {

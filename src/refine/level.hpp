@@ -1,7 +1,7 @@
 // One refinement level on the CPU: subdivision, projection, and taking bad moves back (which moves
-// are bad: refine/bad_moves.hpp). The CPU refiner calls project_given() once, for level 0, and then
-// subdivide() once per subdivision. Both throw Cancelled soon after the options' monitor asks for
-// it.
+// are bad: refine/crossings/bad_moves.hpp). The CPU refiner calls project_given() once, for level
+// 0, and then subdivide() once per subdivision. Both throw Cancelled soon after the options'
+// monitor asks for it.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Three views of a refinement level with one interface, so that the code which takes bad moves back
-// is written once (refine/bad_moves.hpp, refine/patch_grid.hpp). A view owns nothing; it refers
-// to the meshes and arrays of the level.
+// is written once (refine/crossings/bad_moves.hpp, refine/crossings/patch_grid.hpp). A view owns
+// nothing; it refers to the meshes and arrays of the level.
 //
 // A level handles some vertices of its mesh: it creates or projects them, and may put them back to
 // where they started. The handled vertices stand at the end of the mesh's vertex arrays. The

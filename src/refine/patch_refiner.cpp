@@ -17,10 +17,10 @@
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
 #include "refine/children.hpp"
-#include "refine/constrained_midpoints.hpp"
+#include "refine/crossings/constrained_midpoints.hpp"
+#include "refine/crossings/patch_formulas.hpp"
+#include "refine/crossings/preparation.hpp"
 #include "refine/half_edges.hpp"
-#include "refine/patch_formulas.hpp"
-#include "refine/preparation.hpp"
 #include "refine/subdivision_formulas.hpp"
 
 namespace vdwmesh {

@@ -28,8 +28,8 @@ struct PatchRefineResult {
 // Vertices and triangles are numbered as by Refiner::refine(), and children lie on the patch of
 // their parent. The given vertices stay where they are, bit for bit. The midpoint of an edge inside
 // a patch goes to the patch's sphere or torus, the midpoint of an edge between two patches to the
-// circle in which they meet (refine/patch_formulas.hpp). The errors of area and volume are
-// therefore of second order in the edge length.
+// circle in which they meet (refine/crossings/patch_formulas.hpp). The errors of area and volume
+// are therefore of second order in the edge length.
 //
 // A midpoint is labelled with one atom. The patches at its edge name several; the one whose sphere
 // is nearest is taken. If the mesh has normals, a midpoint gets the normal of its patch, and on a

@@ -1,6 +1,6 @@
 // The surface that a refinement projects to, as host and device code see it: the blended isosurface
-// or the boundary of the union of the balls. target_surface() (refine/preparation.hpp) fills
-// the arrays on the host, DeviceSurface (cuda/refine/device_refinement.cuh) on a device.
+// or the boundary of the union of the balls. target_surface() (refine/crossings/preparation.hpp)
+// fills the arrays on the host, DeviceSurface (cuda/refine/device_refinement.cuh) on a device.
 #pragma once
 
 #include <cmath>

@@ -14,12 +14,12 @@
 #include <cmath>
 
 #include "core/errors.hpp"
-#include "render/egl_context.hpp"
-#include "render/gl_objects.hpp"
-#include "render/legend.hpp"
-#include "render/samples.hpp"
-#include "render/surface_buffers.hpp"
-#include "render/surface_program.hpp"
+#include "render/opengl/egl_context.hpp"
+#include "render/opengl/gl_objects.hpp"
+#include "render/opengl/legend.hpp"
+#include "render/opengl/samples.hpp"
+#include "render/opengl/surface_buffers.hpp"
+#include "render/opengl/surface_program.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -2,8 +2,8 @@
 // canonical order, chooses a level for each sphere by the octave of its reach, and sorts the
 // spheres by level and cell. This last step is a counting sort that takes the spheres in canonical
 // order and keeps their order, so that the spheres of a cell are in canonical order. It runs twice:
-// over groups of consecutive cells (core/stable_groups.hpp), and within each group over its cells.
-// The list is therefore the same for any number of threads.
+// over groups of consecutive cells (core/order/stable_groups.hpp), and within each group over its
+// cells. The list is therefore the same for any number of threads.
 #include "spheres/cell_list.hpp"
 
 #include <fmt/format.h>
@@ -14,11 +14,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/bins.hpp"
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
-#include "core/stable_groups.hpp"
+#include "core/order/bins.hpp"
+#include "core/order/stable_groups.hpp"
 #include "spheres/frame_fit.hpp"
 #include "spheres/level_extent.hpp"
 

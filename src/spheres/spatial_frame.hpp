@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/hilbert.hpp"
+#include "core/order/hilbert.hpp"
 #include "core/vec3.hpp"
 #include "spheres/sphere_set.hpp"
 

@@ -19,7 +19,7 @@
 
 #include "core/buffer.hpp"
 #include "core/errors.hpp"
-#include "core/stable_groups.hpp"
+#include "core/order/stable_groups.hpp"
 #include "spheres/check_sphere.hpp"
 
 namespace vdwmesh {

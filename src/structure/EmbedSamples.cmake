@@ -7,7 +7,7 @@ foreach(name IN LISTS NAMES)
   string(APPEND arrays "constexpr char k_${name}[] = {${bytes}};\n")
   string(APPEND choices "  if (name == \"${name}\") return {k_${name}, sizeof k_${name}};\n")
 endforeach()
-file(WRITE "${OUTPUT}" "#include \"structure/samples.hpp\"
+file(WRITE "${OUTPUT}" "#include \"structure/molecule/samples.hpp\"
 
 namespace vdwmesh {
 namespace {

@@ -15,10 +15,10 @@
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
-#include "structure/elements.hpp"
-#include "structure/lines.hpp"
-#include "structure/text_source.hpp"
-#include "structure/united_atoms.hpp"
+#include "structure/molecule/elements.hpp"
+#include "structure/radii/united_atoms.hpp"
+#include "structure/read/lines.hpp"
+#include "structure/read/text_source.hpp"
 
 namespace vdwmesh {
 namespace {

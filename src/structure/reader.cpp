@@ -15,14 +15,14 @@
 #include <utility>
 
 #include "core/errors.hpp"
-#include "structure/choose.hpp"
-#include "structure/elements.hpp"
-#include "structure/formats.hpp"
-#include "structure/lines.hpp"
-#include "structure/parsed_file.hpp"
-#include "structure/samples.hpp"
-#include "structure/text_source.hpp"
-#include "structure/unexpanded.hpp"
+#include "structure/molecule/choose.hpp"
+#include "structure/molecule/elements.hpp"
+#include "structure/molecule/samples.hpp"
+#include "structure/read/formats.hpp"
+#include "structure/read/lines.hpp"
+#include "structure/read/parsed_file.hpp"
+#include "structure/read/text_source.hpp"
+#include "structure/read/unexpanded.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "structure/standard_names.hpp"
+#include "structure/molecule/standard_names.hpp"
 
 namespace vdwmesh {
 namespace {

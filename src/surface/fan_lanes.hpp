@@ -14,7 +14,7 @@
 
 #include <cstdint>
 
-#include "core/lane_masks.hpp"
+#include "core/lanes/lane_masks.hpp"
 #include "core/vec3.hpp"
 
 namespace vdwmesh {

@@ -1,5 +1,5 @@
-// Hashes of what the loops of core/multiversion.hpp make, a line each: see compare_hashes.py. The
-// first line says which version of the loops runs.
+// Hashes of what the loops of core/lanes/multiversion.hpp make, a line each: see compare_hashes.py.
+// The first line says which version of the loops runs.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -9,13 +9,13 @@
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
-#include "arrangement/arcs/arcs.hpp"
-#include "arrangement/exact_mesher.hpp"
-#include "core/multiversion.hpp"
+#include "core/lanes/multiversion.hpp"
+#include "creases/exact_mesher.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "excluded/excluded_mesher.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sampled_field.hpp"
+#include "measures/arcs/arcs.hpp"
 #include "refine/patch_refiner.hpp"
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"

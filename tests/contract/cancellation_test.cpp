@@ -11,10 +11,10 @@
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
-#include "arrangement/exact_mesher.hpp"
-#include "arrangement/exact_union.hpp"
-#include "arrangement/frame_measures.hpp"
 #include "contract/extractor_contract.hpp"
+#include "creases/exact_mesher.hpp"
+#include "measures/exact_union.hpp"
+#include "measures/frame_measures.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::testing {

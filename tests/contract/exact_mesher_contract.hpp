@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "analysis/mesh_measures.hpp"
-#include "arrangement/exact_mesher.hpp"
-#include "arrangement/exact_union.hpp"
 #include "contract/extractor_contract.hpp"
+#include "creases/exact_mesher.hpp"
+#include "measures/exact_union.hpp"
 #include "refine/refiner.hpp"
 #include "support/crease_survey.hpp"
 #include "support/sphere_recipes.hpp"

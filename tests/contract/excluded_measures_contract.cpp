@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "arrangement/exact_union.hpp"
+#include "measures/exact_union.hpp"
 #include "unit/arrangement/union_cases.hpp"
 
 namespace vdwmesh::testing {

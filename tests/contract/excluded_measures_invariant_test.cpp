@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
 #include "contract/excluded_measures_contract.hpp"
 #include "core/errors.hpp"
+#include "measures/exact_union.hpp"
 #include "reference/cages.hpp"
 #include "support/dice.hpp"
 #include "unit/arrangement/union_cases.hpp"

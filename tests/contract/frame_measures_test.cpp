@@ -1,6 +1,6 @@
 // Measures of the same balls in many frames: closed forms, single calls of exact_union() as the
 // reference to the last digit, coordinates of all layouts, and frames that cannot be measured.
-#include "arrangement/frame_measures.hpp"
+#include "measures/frame_measures.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -12,9 +12,9 @@
 #include <numbers>
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
+#include "measures/exact_union.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh::testing {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <optional>
 
-#include "arrangement/exact_union.hpp"
 #include "contract/extractor_contract.hpp"
+#include "measures/exact_union.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh::testing {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "arrangement/exact_union.hpp"
 #include "contract/refiner_contract.hpp"
+#include "measures/exact_union.hpp"
 #include "reference/closed_forms.hpp"
 #include "support/crease_meshes.hpp"
 #include "support/worst.hpp"

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "arrangement/arcs/arcs.hpp"
-#include "arrangement/union_measurer.hpp"
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
+#include "measures/arcs/arcs.hpp"
+#include "measures/union_measurer.hpp"
 
 namespace vdwmesh::testing {
 namespace {

@@ -1,6 +1,6 @@
 // Measures of many unions in one call, on every backend: closed forms, the regular triangulation as
 // the reference, batches, determinism, and input that must be refused.
-#include "arrangement/union_measurer.hpp"
+#include "measures/union_measurer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
+#include "measures/exact_union.hpp"
 #include "support/dice.hpp"
 #include "support/shared_files.hpp"
 #include "support/sphere_recipes.hpp"

@@ -3,7 +3,7 @@
     compare_counts.py HOT_LOOPS RECORDED.json [--record]
 
 Instruction counts repeat where times do not. They are those of one compiler, C library and version
-of the loops (core/multiversion.hpp), so RECORDED.json is a list with an entry for each of these. With a
+of the loops (core/lanes/multiversion.hpp), so RECORDED.json is a list with an entry for each of these. With a
 compiler that has no entry nothing can be compared: the test is skipped and says so, which is a failure
 where skips are checked (tests/check_skips.py), until --record has added an entry. A loop that takes over
 5 % more than recorded is a failure; one that takes less is named, so that its gain can be recorded.

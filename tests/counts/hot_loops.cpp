@@ -9,8 +9,8 @@
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
-#include "arrangement/exact_union.hpp"
 #include "extract/extractor.hpp"
+#include "measures/exact_union.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "refine/refiner.hpp"
@@ -106,7 +106,7 @@ void count_half_edges(const SphereSet& spheres) {
 int main() {
   using namespace vdwmesh;
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  // Which version of the loops runs (core/multiversion.hpp): the counts are of one of them.
+  // Which version of the loops runs (core/lanes/multiversion.hpp): the counts are of one of them.
   __builtin_cpu_init();
   std::printf("%s\n", __builtin_cpu_supports("x86-64-v3") ? "x86-64-v3" : "baseline");
   std::fflush(stdout);

@@ -16,9 +16,9 @@
 #include "cuda/backend.hpp"
 #include "cuda/cuda_source.hpp"
 #include "cuda/refused_memory.hpp"
-#include "render/egl_context.hpp"
+#include "render/opengl/egl_context.hpp"
+#include "render/opengl/surface_buffers.hpp"
 #include "render/renderer.hpp"
-#include "render/surface_buffers.hpp"
 #include "support/requirements.hpp"
 #include "support/test_meshes.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
-#include "cuda/extract/brick_mesher.cuh"
+#include "cuda/extract/bricks/brick_mesher.cuh"
 #include "extract/field_list.hpp"
 #include "support/plain_extractor.hpp"
 #include "support/requirements.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "arrangement/mesher/patch_batch.hpp"
+#include "creases/share/patch_batch.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/parity.hpp"
 #include "support/floor_sets.hpp"

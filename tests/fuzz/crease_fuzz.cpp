@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "arrangement/exact_mesher.hpp"
-#include "arrangement/exact_union.hpp"
+#include "creases/exact_mesher.hpp"
 #include "fuzz/mesh_promises.hpp"
 #include "fuzz/sphere_maker.hpp"
+#include "measures/exact_union.hpp"
 #include "support/crease_survey.hpp"
 #include "support/crease_tolerance.hpp"
 #include "support/union_verdict.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "fuzz/memory_file.hpp"
-#include "structure/text_source.hpp"
+#include "structure/read/text_source.hpp"
 
 namespace vdwmesh::fuzz {
 namespace {

@@ -1,9 +1,9 @@
 // The exact union of any balls, by both methods.
 #include <cmath>
 
-#include "arrangement/exact_union.hpp"
 #include "fuzz/fuzz_target.hpp"
 #include "fuzz/sphere_maker.hpp"
+#include "measures/exact_union.hpp"
 #include "support/gauss_bonnet.hpp"
 
 namespace vdwmesh::fuzz {

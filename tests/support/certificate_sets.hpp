@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "arrangement/certificate/certify.hpp"
+#include "measures/certificate/certify.hpp"
 #include "reference/union_oracle.hpp"
 #include "support/sphere_recipes.hpp"
 #include "unit/arrangement/union_cases.hpp"

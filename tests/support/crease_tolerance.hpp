@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "arrangement/exact_mesher.hpp"
 #include "core/vec3.hpp"
+#include "creases/exact_mesher.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::testing {

@@ -1,5 +1,5 @@
 // Sets of balls whose crease-exact meshes have angles below their floors unless the mesher does
-// something for them (arrangement/mesher/angle_floors.hpp).
+// something for them (creases/patch/angle_floors.hpp).
 #pragma once
 
 #include <cmath>

@@ -18,13 +18,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "arrangement/complex/boundary_shapes.hpp"
-#include "arrangement/directions.hpp"
-#include "arrangement/reference_measures.hpp"
-#include "arrangement/total_measures.hpp"
+#include "complex/boundary/boundary_shapes.hpp"
 #include "core/fixed_blocks.hpp"
-#include "core/sorted_rows.hpp"
+#include "core/order/sorted_rows.hpp"
 #include "core/sum.hpp"
+#include "measures/reference_measures.hpp"
+#include "measures/total_measures.hpp"
+#include "spheres/directions.hpp"
 
 namespace vdwmesh::testing {
 namespace {

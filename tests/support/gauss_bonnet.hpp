@@ -4,7 +4,7 @@
 // library is held against them.
 #pragma once
 
-#include "arrangement/exact_union.hpp"
+#include "measures/exact_union.hpp"
 
 namespace vdwmesh::testing {
 

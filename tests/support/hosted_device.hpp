@@ -18,10 +18,10 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/mesher/look_batch.hpp"
-#include "arrangement/mesher/patch_batch.hpp"
-#include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
+#include "creases/share/look_batch.hpp"
+#include "creases/share/patch_batch.hpp"
+#include "creases/share/patch_device.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::testing {

@@ -4,7 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "core/multiversion.hpp"
+#include "core/lanes/multiversion.hpp"
 #include "extract/blended/blended_brick.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 #include "extract/field_kinds.hpp"

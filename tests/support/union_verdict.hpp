@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "arrangement/exact_union.hpp"
+#include "measures/exact_union.hpp"
 #include "support/crease_survey.hpp"
 
 namespace vdwmesh::testing {

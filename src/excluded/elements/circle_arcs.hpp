@@ -13,7 +13,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "arrangement/directions.hpp"
+#include "spheres/directions.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::excluded::elements {

@@ -6,9 +6,9 @@
 // not close, or if the shares of its balls do not sum to its solid angle.
 #pragma once
 
-#include "excluded/cap_arrangement.hpp"
-#include "excluded/circle_gap.hpp"
 #include "excluded/elements/element_shapes.hpp"
+#include "excluded/patches/cap_arrangement.hpp"
+#include "excluded/probes/circle_gap.hpp"
 
 namespace vdwmesh::excluded::elements {
 

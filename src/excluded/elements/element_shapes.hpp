@@ -3,8 +3,8 @@
 #pragma once
 
 #include "excluded/elements/elements.hpp"
-#include "excluded/saddle_formulas.hpp"
-#include "excluded/share_formulas.hpp"
+#include "excluded/patches/saddle_formulas.hpp"
+#include "excluded/patches/share_formulas.hpp"
 
 namespace vdwmesh::excluded::elements {
 

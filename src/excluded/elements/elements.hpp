@@ -18,8 +18,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "arrangement/exact_union.hpp"
 #include "excluded/elements/circle_arcs.hpp"
+#include "measures/exact_union.hpp"
 
 namespace vdwmesh::excluded::elements {
 

@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 
-#include "arrangement/complex/boundary_shapes.hpp"
-#include "excluded/atom_shares.hpp"
-#include "excluded/grown_atoms.hpp"
-#include "excluded/patch_records.hpp"
+#include "complex/boundary/boundary_shapes.hpp"
+#include "excluded/patches/atom_shares.hpp"
+#include "excluded/patches/patch_records.hpp"
+#include "excluded/probes/grown_atoms.hpp"
 
 namespace vdwmesh::excluded::elements {
 namespace {

@@ -13,8 +13,8 @@
 #include <numbers>
 #include <utility>
 
-#include "arrangement/directions.hpp"
 #include "core/errors.hpp"
+#include "spheres/directions.hpp"
 
 namespace vdwmesh::excluded {
 namespace {

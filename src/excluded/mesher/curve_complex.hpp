@@ -19,11 +19,11 @@
 #include <string>
 #include <vector>
 
-#include "arrangement/mesher/patch_boundary.hpp"
-#include "arrangement/mesher/row_lists.hpp"
-#include "excluded/concave_patch.hpp"
-#include "excluded/grown_atoms.hpp"
-#include "excluded/patch_records.hpp"
+#include "creases/arcs/patch_boundary.hpp"
+#include "creases/plane/row_lists.hpp"
+#include "excluded/patches/concave_patch.hpp"
+#include "excluded/patches/patch_records.hpp"
+#include "excluded/probes/grown_atoms.hpp"
 
 namespace vdwmesh::excluded {
 

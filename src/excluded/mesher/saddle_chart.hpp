@@ -17,9 +17,9 @@
 #include <cstdint>
 #include <numbers>
 
-#include "arrangement/mesher/plane_predicates.hpp"
+#include "creases/plane/plane_predicates.hpp"
 #include "excluded/mesher/curve_complex.hpp"
-#include "excluded/saddle.hpp"
+#include "excluded/patches/saddle.hpp"
 
 namespace vdwmesh::excluded {
 

@@ -15,9 +15,9 @@
 #include <cmath>
 #include <utility>
 
-#include "arrangement/mesher/flat_boundary.hpp"
-#include "arrangement/mesher/inside_marks.hpp"
-#include "arrangement/mesher/patch_quality.hpp"
+#include "creases/patch/patch_quality.hpp"
+#include "creases/plane/flat_boundary.hpp"
+#include "creases/plane/inside_marks.hpp"
 
 namespace vdwmesh::excluded {
 namespace {

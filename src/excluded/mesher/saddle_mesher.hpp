@@ -1,13 +1,13 @@
 // Meshes a saddle, or half of a spindle, between the sample points on the curves around it. The
 // saddle is mapped to the plane (saddle_chart.hpp) and meshed there as patches of spheres are
-// (arrangement/mesher/patch_mesher.hpp).
+// (creases/patch/patch_mesher.hpp).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "arrangement/mesher/patch_mesher.hpp"
+#include "creases/patch/patch_mesher.hpp"
 #include "excluded/mesher/curve_complex.hpp"
 #include "excluded/mesher/saddle_chart.hpp"
 

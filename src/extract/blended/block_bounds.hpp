@@ -7,7 +7,7 @@
 // For the union of balls, a block is outside if no ball touches its box, and inside if one ball
 // holds all of it. For blended fields, FieldBounds bounds the sum over the atoms from below and
 // above. The CPU evaluates the bounds in double, the device in float32
-// (cuda/extract/brick_search.cu). Host and device.
+// (cuda/extract/bricks/brick_search.cu). Host and device.
 #pragma once
 
 #include "core/host_device.hpp"

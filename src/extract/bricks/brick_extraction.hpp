@@ -5,7 +5,7 @@
 // vertices on its edges. It has visit(BrickIndex), which moves it to a brick, signs(BrickSigns&),
 // and vertices(edges, put), which calls put(i, vertex) for every edge i of a BrickEdges. The
 // callers of the loops are marked VDWMESH_MULTIVERSION: the loops are inlined into them and
-// compiled for two processor versions (core/multiversion.hpp).
+// compiled for two processor versions (core/lanes/multiversion.hpp).
 #pragma once
 
 #include <bit>

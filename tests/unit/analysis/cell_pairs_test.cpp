@@ -1,7 +1,7 @@
 // Meshes in the cells of a grid against the search that knows nothing of grids, which
 // intersecting_pairs_test.cpp compares with CGAL: random signs with vertices anywhere on their
 // edges, triangles put in and taken out, and whatever must not pass for such a mesh.
-#include "analysis/cell_pairs.hpp"
+#include "analysis/crossings/cell_pairs.hpp"
 
 #include <gtest/gtest.h>
 

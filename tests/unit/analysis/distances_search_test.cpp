@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "analysis/crossings/triangle_runs.hpp"
 #include "analysis/distances.hpp"
-#include "analysis/distances_plan.hpp"
-#include "analysis/distances_tree.hpp"
-#include "analysis/distances_triangle.hpp"
-#include "analysis/exposed_surface.hpp"
-#include "analysis/mesh_finder.hpp"
+#include "analysis/distances/distances_plan.hpp"
+#include "analysis/distances/distances_tree.hpp"
+#include "analysis/distances/distances_triangle.hpp"
+#include "analysis/distances/exposed_surface.hpp"
+#include "analysis/distances/mesh_finder.hpp"
 #include "analysis/signed_distance.hpp"
-#include "analysis/triangle_runs.hpp"
 #include "support/dice.hpp"
 #include "support/test_meshes.hpp"
 

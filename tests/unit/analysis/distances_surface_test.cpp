@@ -8,10 +8,10 @@
 #include <random>
 #include <span>
 
-#include "analysis/distances_plan.hpp"
-#include "analysis/distances_samples.hpp"
-#include "analysis/exposed_surface.hpp"
-#include "arrangement/complex/dual_complex.hpp"
+#include "analysis/distances/distances_plan.hpp"
+#include "analysis/distances/distances_samples.hpp"
+#include "analysis/distances/exposed_surface.hpp"
+#include "complex/dual_complex.hpp"
 #include "core/errors.hpp"
 #include "support/ball_families.hpp"
 #include "support/shared_files.hpp"

@@ -1,5 +1,5 @@
 // The pieces distances are made of, each against a plain search that shares no code with it.
-#include "analysis/distances_tree.hpp"
+#include "analysis/distances/distances_tree.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@
 #include <numbers>
 #include <random>
 
-#include "analysis/box_tree_lanes.hpp"
 #include "analysis/distances.hpp"
-#include "analysis/distances_statistics.hpp"
-#include "analysis/distances_triangle.hpp"
-#include "analysis/mesh_area.hpp"
-#include "analysis/sphere_lattice.hpp"
-#include "analysis/triangle_points.hpp"
+#include "analysis/distances/box_tree_lanes.hpp"
+#include "analysis/distances/distances_statistics.hpp"
+#include "analysis/distances/distances_triangle.hpp"
+#include "analysis/distances/sphere_lattice.hpp"
+#include "analysis/distances/triangle_points.hpp"
+#include "analysis/survey/mesh_area.hpp"
 #include "support/test_meshes.hpp"
 
 namespace vdwmesh {

@@ -1,5 +1,5 @@
 // Percentiles against a full sort, the same on any number of threads.
-#include "analysis/distribution.hpp"
+#include "analysis/distances/distribution.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

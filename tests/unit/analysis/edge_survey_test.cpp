@@ -1,5 +1,5 @@
 // The survey of edges and vertices against maps and flood fills, on soups of every kind.
-#include "analysis/edge_survey.hpp"
+#include "analysis/survey/edge_survey.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -12,8 +12,8 @@
 #include <set>
 #include <vector>
 
-#include "analysis/divided_survey.hpp"
-#include "analysis/vertex_survey.hpp"
+#include "analysis/survey/divided_survey.hpp"
+#include "analysis/survey/vertex_survey.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/facet_tree.hpp"
+#include "analysis/crossings/facet_tree.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "reference/crossing_pairs.hpp"
 #include "support/dice.hpp"

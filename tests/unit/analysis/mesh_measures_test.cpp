@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/cgal_measures.hpp"
+#include "analysis/survey/cgal_measures.hpp"
 #include "core/errors.hpp"
 #include "support/test_meshes.hpp"
 

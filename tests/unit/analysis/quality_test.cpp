@@ -6,7 +6,7 @@
 #include <random>
 
 #include "analysis/mesh_measures.hpp"
-#include "analysis/quality_parts.hpp"
+#include "analysis/survey/quality_parts.hpp"
 #include "core/errors.hpp"
 #include "support/test_meshes.hpp"
 

@@ -1,6 +1,6 @@
 // Stages at the same time: both sides run to their end whatever either throws, and their times add
 // up.
-#include "beside.hpp"
+#include "steps/beside.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

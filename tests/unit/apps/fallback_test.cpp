@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "steps.hpp"
+#include "steps/steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <string>
 
-#include "report_text_parts.hpp"
-#include "steps.hpp"
+#include "report/report_text_parts.hpp"
+#include "steps/steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {

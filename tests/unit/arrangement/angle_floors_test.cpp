@@ -1,6 +1,6 @@
 // Which angles count as below their floor. Here all are inside of a patch, where the floor is 5°
 // and no arc matters.
-#include "arrangement/mesher/angle_floors.hpp"
+#include "creases/patch/angle_floors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "arrangement/mesher/patch_quality.hpp"
+#include "creases/patch/patch_quality.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,5 +1,5 @@
 // Exact area and volume from exposed arcs, against closed forms, published sets and symmetries.
-#include "arrangement/arcs/arcs.hpp"
+#include "measures/arcs/arcs.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -10,9 +10,9 @@
 #include <numeric>
 #include <random>
 
-#include "arrangement/exact_sum.hpp"
-#include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
+#include "measures/exact_sum.hpp"
+#include "measures/total_measures.hpp"
 
 namespace vdwmesh {
 namespace {

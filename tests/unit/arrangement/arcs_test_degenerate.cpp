@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "arrangement/arcs/arcs.hpp"
-#include "arrangement/exact_union.hpp"
+#include "measures/arcs/arcs.hpp"
+#include "measures/exact_union.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/arcs/cut_ball.hpp"
+#include "measures/arcs/cut_ball.hpp"
 
 namespace vdwmesh::arcs {
 namespace {

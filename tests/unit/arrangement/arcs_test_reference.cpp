@@ -11,8 +11,8 @@
 #include <sstream>
 #include <string>
 
-#include "arrangement/arcs/arcs.hpp"
-#include "arrangement/total_measures.hpp"
+#include "measures/arcs/arcs.hpp"
+#include "measures/total_measures.hpp"
 #include "support/shared_files.hpp"
 
 namespace vdwmesh {

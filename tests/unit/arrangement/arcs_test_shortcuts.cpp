@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "arrangement/arcs/arcs.hpp"
-#include "arrangement/arcs/cut_ball.hpp"
-#include "arrangement/total_measures.hpp"
+#include "measures/arcs/arcs.hpp"
+#include "measures/arcs/cut_ball.hpp"
+#include "measures/total_measures.hpp"
 #include "reference/closed_forms.hpp"
 #include "support/ball_families.hpp"
 

@@ -1,7 +1,7 @@
 // The arrangement that the crease-exact mesher makes from power cells, against the one that follows
 // from the exact dual complex of all balls: the same corners, the same arcs, in the same order. And
 // the order of the balls.
-#include "arrangement/mesher/arrangement.hpp"
+#include "creases/arcs/arrangement.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -12,8 +12,8 @@
 #include <numbers>
 #include <vector>
 
-#include "arrangement/mesher/boundary_arcs.hpp"
 #include "core/errors.hpp"
+#include "creases/arcs/boundary_arcs.hpp"
 #include "support/family_sets.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"

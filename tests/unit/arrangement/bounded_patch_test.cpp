@@ -1,6 +1,6 @@
 // Patches meshed in bounded memory, as the device does it, but on the host: the same bits as in
 // growing memory, or a failure. No GPU is needed.
-#include "arrangement/mesher/bounded_patch.hpp"
+#include "creases/plane/bounded_patch.hpp"
 
 #include <gtest/gtest.h>
 

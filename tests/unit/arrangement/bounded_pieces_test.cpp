@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/mesher/piece_insertion.hpp"
-#include "arrangement/mesher/plane_insertion.hpp"
+#include "creases/plane/piece_insertion.hpp"
+#include "creases/plane/plane_insertion.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,5 +1,5 @@
 // The octree of caps against a look at all of them.
-#include "arrangement/mesher/cap_margins.hpp"
+#include "creases/arcs/cap_margins.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "arrangement/directions.hpp"
+#include "spheres/directions.hpp"
 #include "support/ball_families.hpp"
 #include "support/dice.hpp"
 

@@ -9,12 +9,12 @@
 #include <random>
 #include <vector>
 
-#include "arrangement/certificate/simplex_terms.hpp"
-#include "arrangement/certificate/upward_rounding.hpp"
-#include "arrangement/certificate/wide_interval.hpp"
-#include "arrangement/complex/power_predicates.hpp"
-#include "arrangement/exact_sum.hpp"
+#include "complex/power_predicates.hpp"
 #include "core/errors.hpp"
+#include "measures/certificate/simplex_terms.hpp"
+#include "measures/certificate/upward_rounding.hpp"
+#include "measures/certificate/wide_interval.hpp"
+#include "measures/exact_sum.hpp"
 #include "reference/union_oracle.hpp"
 
 namespace vdwmesh::certificate {

@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "arrangement/complex/placed_balls.hpp"
-#include "arrangement/complex/power_predicates.hpp"
+#include "complex/placed_balls.hpp"
+#include "complex/power_predicates.hpp"
 
 namespace vdwmesh::testing {
 namespace {

@@ -1,7 +1,7 @@
 // The cells of a regular triangulation by CGAL, which regular_cells() is held against.
 #pragma once
 
-#include "arrangement/complex/regular_cells.hpp"
+#include "complex/regular_cells.hpp"
 
 namespace vdwmesh::testing {
 

@@ -8,9 +8,9 @@
 #include <set>
 #include <vector>
 
-#include "arrangement/mesher/look_batch.hpp"
-#include "arrangement/mesher/patch_batch.hpp"
-#include "arrangement/mesher/patch_device.hpp"
+#include "creases/share/look_batch.hpp"
+#include "creases/share/patch_batch.hpp"
+#include "creases/share/patch_device.hpp"
 
 namespace vdwmesh::testing {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "arrangement/exact_mesher.hpp"
 #include "core/errors.hpp"
+#include "creases/exact_mesher.hpp"
 #include "support/dice.hpp"
 #include "support/hosted_device.hpp"
 

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/exact_mesher.hpp"
-#include "arrangement/exact_union.hpp"
 #include "core/errors.hpp"
+#include "creases/exact_mesher.hpp"
+#include "measures/exact_union.hpp"
 #include "support/ball_families.hpp"
 #include "support/dice.hpp"
 

@@ -1,6 +1,6 @@
 // Several processes that mesh a set together, each its part, beside one process: the same mesh and
 // the same counts, bit by bit. The processes are threads here; test_ranks.py has those of MPI.
-#include "arrangement/mesher/mesh_team.hpp"
+#include "creases/share/mesh_team.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
+#include "creases/share/patch_device.hpp"
 #include "support/family_sets.hpp"
 #include "support/floor_sets.hpp"
 

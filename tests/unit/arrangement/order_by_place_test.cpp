@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "arrangement/complex/exposed_arcs.hpp"
-#include "arrangement/mesher/boundary_arcs.hpp"
+#include "complex/boundary/exposed_arcs.hpp"
+#include "creases/arcs/boundary_arcs.hpp"
 #include "support/ball_families.hpp"
 
 namespace vdwmesh::testing {

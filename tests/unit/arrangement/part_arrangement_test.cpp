@@ -1,7 +1,7 @@
 // Parts of a set, each arranged with nothing but the balls that touch it: behind each other they
 // have the corners and arcs of the whole set, in its order and with the same bits, and every own
 // ball has its neighbours.
-#include "arrangement/mesher/part_arrangement.hpp"
+#include "creases/arcs/part_arrangement.hpp"
 
 #include <gtest/gtest.h>
 

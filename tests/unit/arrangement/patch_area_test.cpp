@@ -1,6 +1,6 @@
 // What chords and flat triangles take from the area of a patch, held against spherical
 // trigonometry, and which pieces are split for it.
-#include "arrangement/mesher/patch_area.hpp"
+#include "creases/patch/patch_area.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What a ball covers of its neighbour's sphere, down to caps of which the cosine knows nothing; and
 // what a boundary says of its points and pieces.
-#include "arrangement/mesher/patch_boundary.hpp"
+#include "creases/arcs/patch_boundary.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "arrangement/directions.hpp"
-#include "arrangement/mesher/patch_quality.hpp"
-#include "arrangement/mesher/point_circles.hpp"
+#include "creases/arcs/point_circles.hpp"
+#include "creases/patch/patch_quality.hpp"
+#include "spheres/directions.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh {

@@ -1,6 +1,6 @@
 // Which pieces of the boundary are blamed for triangles that face inwards, and which triangles have
 // a small angle.
-#include "arrangement/mesher/patch_triangles.hpp"
+#include "creases/plane/patch_triangles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <numbers>
 #include <vector>
 
-#include "arrangement/mesher/cap_margins.hpp"
-#include "arrangement/mesher/patch_mesher.hpp"
-#include "arrangement/mesher/patch_quality.hpp"
+#include "creases/arcs/cap_margins.hpp"
+#include "creases/patch/patch_mesher.hpp"
+#include "creases/patch/patch_quality.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh {

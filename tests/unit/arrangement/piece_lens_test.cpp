@@ -1,5 +1,5 @@
 // Which points of the plane lie between a piece and its arc, by points that are placed there.
-#include "arrangement/mesher/piece_lens.hpp"
+#include "creases/plane/piece_lens.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The constrained Delaunay triangulation of patches against its definition and against CGAL's: on
 // random, co-circular, collinear and nearly degenerate points, and on the boundaries of patches.
-#include "arrangement/mesher/plane_triangulation.hpp"
+#include "creases/plane/plane_triangulation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <numbers>
 #include <string>
 
-#include "arrangement/mesher/patch_boundary.hpp"
-#include "arrangement/mesher/stereographic.hpp"
+#include "creases/arcs/patch_boundary.hpp"
+#include "creases/plane/stereographic.hpp"
 #include "reference/planar_delaunay.hpp"
 #include "structure/reader.hpp"
 #include "support/dice.hpp"

@@ -1,5 +1,5 @@
 // The filtered exact signs against the same definitions in 64-bit integers, where nothing rounds.
-#include "arrangement/complex/power_predicates.hpp"
+#include "complex/power_predicates.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The regular triangulation made in blocks of space, against that made in one piece. Cells, their
 // order and their neighbours must be equal; that of one piece is checked by other tests.
-#include "arrangement/complex/power_triangulation.hpp"
+#include "complex/power_triangulation.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
+#include "measures/exact_union.hpp"
 #include "support/family_sets.hpp"
 
 namespace vdwmesh::testing {

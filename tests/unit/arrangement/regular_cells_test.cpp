@@ -1,6 +1,6 @@
 // The regular triangulation by insertion into flat arrays, against CGAL's: the same cells with the
 // same neighbours, also where balls are in a tie.
-#include "arrangement/complex/regular_cells.hpp"
+#include "complex/regular_cells.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <numeric>
 #include <vector>
 
-#include "arrangement/complex/placed_balls.hpp"
 #include "cgal_cells.hpp"
+#include "complex/placed_balls.hpp"
 #include "support/dice.hpp"
 #include "support/family_sets.hpp"
 #include "surface/indexed_mesh.hpp"

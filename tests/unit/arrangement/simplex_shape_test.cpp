@@ -1,5 +1,5 @@
 // Shapes of simplices against solid geometry, where they are regular and where they are flat.
-#include "arrangement/complex/simplex_shape.hpp"
+#include "complex/simplex_shape.hpp"
 
 #include <gtest/gtest.h>
 

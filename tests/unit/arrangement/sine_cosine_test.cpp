@@ -1,5 +1,5 @@
 // sine_cosine() against the C library in extended precision.
-#include "arrangement/sine_cosine.hpp"
+#include "creases/sine_cosine.hpp"
 
 #include <gtest/gtest.h>
 

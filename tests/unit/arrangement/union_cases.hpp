@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
+#include "measures/exact_union.hpp"
 #include "support/gauss_bonnet.hpp"
 
 // Relative; written so that NaN fails.

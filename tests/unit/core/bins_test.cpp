@@ -1,5 +1,5 @@
 // Cubic bins over a box: as wide as wished, or as few as asked for.
-#include "core/bins.hpp"
+#include "core/order/bins.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Hilbert's curve: it visits the cells of a cube at the origin first, each once, and goes from each
 // to a neighbour.
-#include "core/hilbert.hpp"
+#include "core/order/hilbert.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The radix sort of keys against the sort of the standard library, on keys unlike Morton codes.
-#include "core/sort_keys.hpp"
+#include "core/order/sort_keys.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/split_mix.hpp"
+#include "core/order/split_mix.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,5 +1,5 @@
 // Rows filled on all cores beside a map that is filled in order.
-#include "core/sorted_rows.hpp"
+#include "core/order/sorted_rows.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,5 +1,5 @@
 // Sorting into groups beside std::stable_sort, for counts of one block and of many.
-#include "core/stable_groups.hpp"
+#include "core/order/stable_groups.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

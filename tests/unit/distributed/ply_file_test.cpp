@@ -1,12 +1,12 @@
 // How large a PLY file can be: faces name vertices by 32 bits.
-#include "distributed/ply_file.hpp"
+#include "distributed/files/ply_file.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "core/errors.hpp"
-#include "mesh/ply_records.hpp"
+#include "mesh/formats/ply_records.hpp"
 
 namespace vdwmesh {
 namespace {

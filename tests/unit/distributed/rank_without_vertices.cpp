@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "distributed/ranks.hpp"
-#include "distributed/refine_together.hpp"
+#include "distributed/together/refine_together.hpp"
 
 namespace {
 

@@ -1,12 +1,12 @@
 // The spheres that each rank measures, and those near them; sets that ranks found each for itself.
-#include "distributed/sphere_shares.hpp"
+#include "distributed/shares/sphere_shares.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "arrangement/arcs/arcs.hpp"
-#include "distributed/joined_sets.hpp"
+#include "distributed/together/joined_sets.hpp"
+#include "measures/arcs/arcs.hpp"
 #include "surface/box.hpp"
 
 namespace vdwmesh {

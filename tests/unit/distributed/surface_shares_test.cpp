@@ -1,5 +1,5 @@
 // The shares of ranks: runs of bricks of equal area, and the spheres near them.
-#include "distributed/surface_shares.hpp"
+#include "distributed/shares/surface_shares.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <numeric>
 #include <random>
 
-#include "arrangement/exact_union.hpp"
 #include "core/joined_arrays.hpp"
 #include "extract/area_estimate.hpp"
+#include "measures/exact_union.hpp"
 #include "spheres/even_directions.hpp"
 
 namespace vdwmesh {

@@ -1,5 +1,5 @@
 // Numbers of vertices of a mesh that many ranks share.
-#include "distributed/vertex_numbers.hpp"
+#include "distributed/together/vertex_numbers.hpp"
 
 #include <gtest/gtest.h>
 

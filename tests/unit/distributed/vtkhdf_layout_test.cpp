@@ -1,5 +1,5 @@
 // Where the arrays of a VTKHDF file are, of sizes that no test could fill.
-#include "distributed/vtkhdf_layout.hpp"
+#include "distributed/files/vtkhdf_layout.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "distributed/vtkhdf_file.hpp"
+#include "distributed/files/vtkhdf_file.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,5 +1,5 @@
 // The flat faces of caps: disks cut by planes.
-#include "excluded/cap_face.hpp"
+#include "excluded/patches/cap_face.hpp"
 
 #include <gtest/gtest.h>
 

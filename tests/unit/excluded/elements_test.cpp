@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/union_measurer.hpp"
 #include "excluded/elements/batch_rows.hpp"
 #include "excluded/elements/host_executor.hpp"
+#include "measures/union_measurer.hpp"
 #include "support/excluded_batches.hpp"
 #include "support/shared_files.hpp"
 #include "support/sphere_recipes.hpp"

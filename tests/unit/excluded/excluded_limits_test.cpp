@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/exact_union.hpp"
 #include "core/errors.hpp"
 #include "excluded/excluded_measures.hpp"
-#include "excluded/low_probes.hpp"
-#include "excluded/patch_circles.hpp"
+#include "excluded/patches/patch_circles.hpp"
+#include "excluded/probes/low_probes.hpp"
+#include "measures/exact_union.hpp"
 #include "reference/cages.hpp"
 #include "support/dice.hpp"
 

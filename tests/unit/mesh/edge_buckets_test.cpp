@@ -1,6 +1,6 @@
 // Buckets of any soup against a sort of all half-edges, beyond one block of triangles and one range
 // of vertices.
-#include "mesh/edge_buckets.hpp"
+#include "mesh/connect/edge_buckets.hpp"
 
 #include <gmock/gmock.h>
 #include <tbb/global_control.h>

@@ -1,5 +1,5 @@
 // Files that appear under their names whole, or not at all.
-#include "mesh/output_file.hpp"
+#include "mesh/formats/output_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Records that several threads format come out as one thread would write them, and what goes wrong
 // on the way is thrown to the caller.
-#include "mesh/record_writer.hpp"
+#include "mesh/formats/record_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

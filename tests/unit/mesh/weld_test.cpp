@@ -1,5 +1,5 @@
 // Triangles with vertices of their own become a mesh again.
-#include "mesh/weld.hpp"
+#include "mesh/connect/weld.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Moves that are only seen to be bad once another one is back.
-#include "refine/bad_moves.hpp"
+#include "refine/crossings/bad_moves.hpp"
 
 #include <gtest/gtest.h>
 

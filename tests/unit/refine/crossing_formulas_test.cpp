@@ -1,5 +1,5 @@
 // Pairs of triangles that do and do not pass through each other.
-#include "refine/crossing_formulas.hpp"
+#include "refine/crossings/crossing_formulas.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Four triangles at a time against the same one by one: those that face outward for certain do so,
 // and hardly any others.
-#include "refine/facing_lanes.hpp"
+#include "refine/crossings/facing_lanes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Fans of patches whose children are divided: triangles around a star do not cross, vertices of a
 // patch are where they are said to be, and a border that turns too far is not taken for a star.
-#include "refine/patch_fans.hpp"
+#include "refine/crossings/patch_fans.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +9,12 @@
 #include <numbers>
 #include <vector>
 
-#include "core/split_mix.hpp"
+#include "core/order/split_mix.hpp"
 #include "extract/extractor.hpp"
 #include "refine/children.hpp"
-#include "refine/crossing_formulas.hpp"
+#include "refine/crossings/crossing_formulas.hpp"
+#include "refine/crossings/preparation.hpp"
 #include "refine/half_edges.hpp"
-#include "refine/preparation.hpp"
 #include "surface/patch_star.hpp"
 
 namespace vdwmesh {

@@ -1,15 +1,15 @@
 // The tests of four triangles at a time, and of the boxes of four parts, against the same pair by
 // pair: boxes alike, and no pair left out that triangles_cross() finds.
-#include "refine/patch_lanes.hpp"
+#include "refine/crossings/patch_lanes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <vector>
 
-#include "core/split_mix.hpp"
-#include "refine/crossing_formulas.hpp"
-#include "refine/part_boxes.hpp"
+#include "core/order/split_mix.hpp"
+#include "refine/crossings/crossing_formulas.hpp"
+#include "refine/crossings/part_boxes.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,6 +1,6 @@
 // Patches that a plane keeps apart have no triangles that cross, and taking back bad moves with all
 // shortcuts gives the same mesh as with tests of all pairs of triangles.
-#include "refine/patch_outline.hpp"
+#include "refine/crossings/patch_outline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,15 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include "core/split_mix.hpp"
+#include "core/order/split_mix.hpp"
 #include "extract/extractor.hpp"
-#include "refine/bad_moves.hpp"
 #include "refine/children.hpp"
-#include "refine/crossing_formulas.hpp"
+#include "refine/crossings/bad_moves.hpp"
+#include "refine/crossings/crossing_formulas.hpp"
+#include "refine/crossings/preparation.hpp"
+#include "refine/crossings/vertex_moves.hpp"
 #include "refine/half_edges.hpp"
-#include "refine/preparation.hpp"
 #include "refine/subdivision_formulas.hpp"
-#include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
 namespace {

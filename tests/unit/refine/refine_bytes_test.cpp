@@ -15,7 +15,7 @@
 
 #include "core/errors.hpp"
 #include "extract/extractor.hpp"
-#include "refine/preparation.hpp"
+#include "refine/crossings/preparation.hpp"
 #include "refine/refiner.hpp"
 #include "support/crease_meshes.hpp"
 #include "support/dice.hpp"

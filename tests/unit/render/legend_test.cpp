@@ -1,5 +1,5 @@
 // The colour bar, and PNG as libpng reads it back.
-#include "render/legend.hpp"
+#include "render/opengl/legend.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "core/errors.hpp"
+#include "render/opengl/text.hpp"
 #include "render/picture.hpp"
-#include "render/text.hpp"
 
 namespace vdwmesh {
 namespace {

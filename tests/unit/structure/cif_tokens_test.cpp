@@ -1,5 +1,5 @@
 // The syntax of CIF 1.1, by the examples of its description (International Tables G, chapter 2.2).
-#include "structure/cif_tokens.hpp"
+#include "structure/cif/cif_tokens.hpp"
 
 #include <gmock/gmock.h>
 

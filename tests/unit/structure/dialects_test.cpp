@@ -9,10 +9,10 @@
 #include <map>
 #include <tuple>
 
-#include "structure/elements.hpp"
-#include "structure/hierarchy.hpp"
-#include "structure/parsed_file.hpp"
-#include "structure/site.hpp"
+#include "structure/molecule/elements.hpp"
+#include "structure/molecule/site.hpp"
+#include "structure/read/hierarchy.hpp"
+#include "structure/read/parsed_file.hpp"
 
 namespace vdwmesh::testing {
 namespace {

@@ -1,5 +1,5 @@
 // Elements that the file does not give, against tables of the programs that write such files.
-#include "structure/elements.hpp"
+#include "structure/molecule/elements.hpp"
 
 #include <gmock/gmock.h>
 

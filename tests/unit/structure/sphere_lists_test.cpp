@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "structure/read/unexpanded.hpp"
 #include "structure/temp_file.hpp"
-#include "structure/unexpanded.hpp"
 
 namespace vdwmesh::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "structure/text_source.hpp"
+#include "structure/read/text_source.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,0 +1,175 @@
+// Adds up the measures of atoms by atom, residue or chain. Sums are wide, so that they do not
+// depend on the order. Rows stand in the order of the file, whatever the group.
+#include "report/per_atom.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+#include <tuple>
+
+#include "analysis/exposure.hpp"
+#include "core/sum.hpp"
+#include "report/csv.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr const char* kHeader =
+    "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,exact_area,"
+    "mesh_area,exact_volume,measured,polarity,polar_area,apolar_area,unclassified_area,"
+    "relative_area,relative_main_chain,relative_side_chain,relative_polar,relative_apolar,"
+    "segment\n";
+
+// What tells rows apart. Residues of one number and name are told by their place in the file. A
+// chain without an id is told by its segment.
+using Key = std::tuple<std::int32_t, std::string_view, std::uint32_t, std::string_view>;
+
+Key key_of(const Atom& atom, AtomGroup group) {
+  if (group == AtomGroup::residue) return {atom.model, atom.chain, atom.residue, {}};
+  return {atom.model, atom.chain, 0, atom.chain.empty() ? atom.segment.view() : std::string_view()};
+}
+
+// Sums are over the measured atoms.
+struct AtomRow {
+  const Atom* first;  // of its atoms
+  AtomGroup group;
+  bool one_segment = true;
+  std::uint64_t atoms = 0, measured = 0;
+  WideSum exact_area, mesh_area, exact_volume;
+  ResidueSum parts;  // of the exact area
+};
+
+// Makes the rows, in the order of their first atoms, and appends to `row_of_atom` the row of each
+// atom.
+std::vector<AtomRow> make_rows(const Molecule& molecule, AtomGroup group,
+                               std::vector<std::size_t>& row_of_atom) {
+  std::vector<AtomRow> rows;
+  std::map<Key, std::size_t> known;
+  for (const Atom& atom : molecule.atoms) {
+    std::size_t row = rows.size();
+    if (group != AtomGroup::atom) row = known.try_emplace(key_of(atom, group), row).first->second;
+    if (row == rows.size()) rows.push_back({&atom, group, true, 0, 0, {}, {}, {}, {}});
+    rows[row].one_segment &= atom.segment == rows[row].first->segment;
+    row_of_atom.push_back(row);
+  }
+  return rows;
+}
+
+// A sum over no atom has no value.
+std::string sum_field(const AtomRow& row, const WideSum& sum) {
+  return row.measured > 0 ? fmt::format("{}", sum.value()) : "";
+}
+
+const char* polarity_field(Polarity polarity) {
+  switch (polarity) {
+    case Polarity::polar:
+      return "polar";
+    case Polarity::apolar:
+      return "apolar";
+    case Polarity::unknown:
+      return "";
+  }
+  return "";
+}
+
+// The parts of the area by polarity, each after a comma.
+std::string polarity_fields(const AtomRow& row, const PerAtomTable& table) {
+  if (!table.molecule.has_polarity || row.measured == 0) return ",,,";
+  const ResidueAreas areas = row.parts.areas();
+  return fmt::format(",{},{},{}", areas.polar, areas.apolar, row.parts.unclassified_area());
+}
+
+// The areas as shares of the reference, each after a comma. There are none unless the row is a
+// residue that has a reference for this probe, and all of its atoms were measured.
+std::string relative_fields(const AtomRow& row, const PerAtomTable& table) {
+  const bool comparable = table.group == AtomGroup::residue && table.probe == kReferenceProbe &&
+                          row.measured == row.atoms;
+  const auto reference = comparable
+                             ? reference_areas(table.molecule.radius_set, row.first->residue_name)
+                             : std::nullopt;
+  if (!reference) return ",,,,,";
+  const ResidueAreas relative = relative_areas(row.parts.areas(), *reference);
+  return fmt::format(",{},{},{},{},{}", csv_number(relative.total), csv_number(relative.main_chain),
+                     csv_number(relative.side_chain), csv_number(relative.polar),
+                     csv_number(relative.apolar));
+}
+
+// Appends what and where the atoms of a row are. Fields in which they differ are empty.
+void print_place(std::string& csv, const AtomRow& row, double probe) {
+  const Atom& atom = *row.first;
+  const bool of_chain = row.group == AtomGroup::chain;
+  csv += fmt::format("{},{},{},{},", atom.model, csv_field(atom.chain),
+                     of_chain ? "" : csv_field(atom.residue_number),
+                     of_chain ? "" : csv_field(atom.residue_name));
+  if (row.group == AtomGroup::atom) {
+    csv += fmt::format("{},{},{},{},{}", csv_field(atom.name), atom.element.view(), atom.serial,
+                       row.atoms, atom.radius + probe);
+  } else {
+    csv += fmt::format(",,,{},", row.atoms);
+  }
+}
+
+// The segment behind a comma; empty where a chain has several.
+std::string segment_field(const AtomRow& row) {
+  return fmt::format(",{}", row.one_segment ? csv_field(row.first->segment) : std::string());
+}
+
+void print(std::string& csv, const AtomRow& row, const PerAtomTable& table) {
+  print_place(csv, row, table.probe);
+  csv += fmt::format(",{},{},{},{},{}", sum_field(row, row.exact_area),
+                     table.mesh_area.empty() ? "" : sum_field(row, row.mesh_area),
+                     sum_field(row, row.exact_volume), row.measured,
+                     row.group == AtomGroup::atom ? polarity_field(row.first->polarity) : "");
+  csv += polarity_fields(row, table) + relative_fields(row, table) + segment_field(row) + '\n';
+}
+
+}  // namespace
+
+std::string per_atom_csv(const PerAtomTable& table) {
+  const std::vector<Atom>& atoms = table.molecule.atoms;
+  std::vector<std::size_t> row_of_atom;
+  std::vector<AtomRow> rows = make_rows(table.molecule, table.group, row_of_atom);
+  for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
+    AtomRow& row = rows[row_of_atom[i]];
+    ++row.atoms;
+    if (!atoms[i].measured) continue;
+    ++row.measured;
+    const SphereMeasures& measures = table.exact.per_sphere[i];
+    row.exact_area.add(measures.area);
+    row.exact_volume.add(measures.volume);
+    row.parts.add(atoms[i], measures.area);
+    if (!table.mesh_area.empty()) row.mesh_area.add(table.mesh_area[i]);
+  }
+  std::string csv = kHeader;
+  for (const AtomRow& row : rows) print(csv, row, table);
+  return csv;
+}
+
+std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
+                               AtomGroup group) {
+  std::vector<std::size_t> row_of_atom;
+  std::vector<AtomRow> rows = make_rows(molecule, group, row_of_atom);
+  std::vector<std::array<WideSum, 4>> sums(rows.size());  // contact, saddle, concave, volume
+  for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
+    ++rows[row_of_atom[i]].atoms;
+    std::array<WideSum, 4>& sum = sums[row_of_atom[i]];
+    sum[0].add(shares[i].area.contact);
+    sum[1].add(shares[i].area.saddle);
+    sum[2].add(shares[i].area.concave);
+    sum[3].add(shares[i].volume);
+  }
+  std::string csv =
+      "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,contact_area,"
+      "saddle_area,concave_area,excluded_area,excluded_volume,segment\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    print_place(csv, rows[r], 0);
+    const auto& [contact, saddle, concave, volume] = sums[r];
+    csv += fmt::format(",{},{},{},{},{}", contact.value(), saddle.value(), concave.value(),
+                       contact.value() + saddle.value() + concave.value(), volume.value());
+    csv += segment_field(rows[r]) + '\n';
+  }
+  return csv;
+}
+
+}  // namespace vdwmesh::apps

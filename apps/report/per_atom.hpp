@@ -1,0 +1,34 @@
+// The measures of atoms, residues or chains, as CSV: radius, exact area, mesh area and exact
+// volume; polar and apolar area; and how exposed a residue is beside one in an extended tripeptide.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "excluded/excluded_measures.hpp"
+#include "measures/exact_union.hpp"
+#include "options.hpp"
+#include "structure/molecule.hpp"
+
+namespace vdwmesh::apps {
+
+// What the table is made of. `mesh_area` is empty or has one entry per atom, Å².
+struct PerAtomTable {
+  const Molecule& molecule;
+  double probe;  // Å
+  const ExactUnion& exact;
+  const std::vector<double>& mesh_area;
+  AtomGroup group;
+};
+
+// One row per atom, residue or chain, in the order of the file. Columns that have no value for a
+// row, or were not computed, are empty: the measures of a row without an atom that --measure chose.
+// Sums are over the chosen atoms of a row, which the column of the measured ones counts.
+std::string per_atom_csv(const PerAtomTable& table);
+
+// The shares of atoms, residues or chains in the excluded surface: area by kind of patch and whole,
+// and volume.
+std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
+                               AtomGroup group);
+
+}  // namespace vdwmesh::apps

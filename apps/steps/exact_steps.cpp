@@ -1,0 +1,256 @@
+// Steps of the verbs that measure the union exactly, and that set a mesh beside it: the union by
+// arcs on a device or with its topology on the CPU; distances on either; then the comparison, its
+// warnings, and the proof of a crease-exact mesh.
+#include "steps/exact_steps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "analysis/mesh_measures.hpp"
+#include "creases/exact_mesher.hpp"
+#include "cuda/backend.hpp"
+#include "excluded/excluded_distances.hpp"
+#include "report/output.hpp"
+#include "report/void_table.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+// Components that fell between the grid nodes would otherwise be lost without a word. Of a mesh
+// inside out, of which another warning speaks, all components count as voids. Blended fields join
+// and shrink what is apart or small, whatever the spacing.
+void warn_of_lost_components(std::uint64_t in_union, Report& report) {
+  if (report.parameters && report.parameters->surface.field.kind != FieldKind::vdw) return;
+  const auto& components = report.mesh->topology.components;
+  if (!components || *components >= in_union) return;
+  if (report.mesh->measures.volume.value_or(0) < 0) return;
+  const bool is_ours = report.parameters.has_value();
+  report.warnings.push_back(fmt::format(
+      "components: {} in the mesh, {} in the union of the spheres{}", *components, in_union,
+      is_ours
+          ? "; pieces closer together than the spacing are joined, smaller ones are missed, and "
+            "a smaller --spacing tells them apart"
+          : ": pieces are joined or missing"));
+}
+
+// The union by arcs, on the backend of the session.
+void measure_by_arcs(const SphereSet& spheres, Session& session) {
+  BatchMeasures measures =
+      make_union_measurer(session.machine.backend)->measure(batch_of(spheres), session.monitor);
+  ExactReport& exact = *session.report.exact;
+  exact.method = UnionMethod::arcs;
+  exact.area = measures.totals[0].area;
+  exact.volume = measures.totals[0].volume;
+  exact.per_sphere = std::move(measures.per_sphere);
+  exact.fallback_spheres = measures.fallback_spheres;
+  exact.backend = measures.fallback.empty() ? Backend::cuda : Backend::cpu;
+  if (!measures.fallback.empty()) session.report.notes.push_back(measures.fallback);
+}
+
+}  // namespace
+
+bool needs_cpu(const ExactOptions& options, const MeasuredSpheres& measured) {
+  return options.method != UnionMethod::arcs || options.topology != TopologyRequest::none ||
+         options.certify == Switch::on || measured;
+}
+
+bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
+                  const MeasuredSpheres& measured) {
+  const Backend requested = session.machine.backend;
+  if (requested == Backend::cuda) resolve(requested);
+  if (needs_cpu(options, measured)) return false;
+  const auto& mesher = session.report.backend;
+  const bool is_started = mesher && mesher->used == Backend::cuda;
+  if (requested == Backend::automatic && !is_started && spheres.size() < kBallsWorthADevice) {
+    return false;
+  }
+  return resolve(requested) == Backend::cuda;
+}
+
+void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
+                     const MeasuredSpheres& measured) {
+  if (wants_device(spheres, options, session, measured)) {
+    session.report.exact.emplace();
+    measure_by_arcs(spheres, session);
+  } else {
+    measure_on_cpu(spheres, options, session, measured);
+  }
+  session.end_stage(&Timing::exact);
+}
+
+void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Session& session,
+                    const MeasuredSpheres& measured) {
+  Report& report = session.report;
+  UnionOptions wanted{.method = options.method, .monitor = session.monitor};
+  wanted.topology = options.topology;
+  wanted.certify = options.certify == Switch::on;
+  wanted.memory_limit = session.machine.memory_limit;
+  if (measured) wanted.measured = *measured;
+  report.exact.emplace();
+  exact_union_into(*report.exact, spheres, wanted);
+  if (options.topology != TopologyRequest::full) report.exact->topology.reset();
+  if (options.topology == TopologyRequest::none) report.exact->counts.reset();
+}
+
+void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {
+  if (output.voids.empty()) return;
+  session.end_progress();
+  write_output(output.voids,
+               void_table_csv(molecule, session.report.exact->topology.value().void_table));
+  session.end_stage(&Timing::write);
+}
+
+void measure_polarity(const Molecule& molecule, Session& session) {
+  ExactReport& exact = *session.report.exact;
+  exact.by_polarity = area_by_polarity(molecule, exact);
+  session.end_stage(&Timing::exact);
+}
+
+// A device is taken without being asked for where the mesh was made on it or where that saves time.
+DistanceBackend choose_for_distances(std::uint64_t triangles, const Session& session) {
+  const Backend requested = session.machine.backend;
+  if (requested != Backend::automatic) return {requested, std::nullopt};
+  const DeviceList list = cuda_devices();
+  if (list.devices.empty()) return {Backend::cpu, list.reason};
+  const auto& mesher = session.report.backend;
+  const bool is_started = mesher && mesher->used == Backend::cuda;
+  if (is_started || triangles >= kTrianglesWorthADevice) return {Backend::automatic, std::nullopt};
+  return {Backend::cpu,
+          fmt::format("for {} triangles the start of a device takes longer", triangles)};
+}
+
+namespace {
+
+MeasuredDistances measure_on(Backend backend, const IndexedMesh& mesh, const SphereSet& spheres,
+                             const DistanceChoice& choice, const Session& session) {
+  return make_distance_measurer(backend)->measure(
+      mesh, spheres,
+      {choice.samples_per_area, choice.seed, session.machine.memory_limit, session.monitor});
+}
+
+}  // namespace
+
+MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                                    const DistanceChoice& choice, const Session& session) {
+  const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
+  return measure_on(backend, mesh, spheres, choice, session);
+}
+
+std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& spheres,
+                                   Session& session) {
+  std::vector<Vec3d> centers(mesh.triangle_count());
+  std::ranges::transform(mesh.triangles, centers.begin(), [&](const Triangle& t) {
+    return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
+  });
+  if (const auto& excluded = session.report.excluded) {
+    const auto d = excluded_signed_distances(centers, spheres, excluded->probe, session.monitor);
+    return {d.begin(), d.end()};
+  }
+  const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
+  const MeasuredPoints measured =
+      make_distance_measurer(backend)->measure_points(centers, spheres, session.monitor);
+  if (!measured.fallback.empty()) session.report.notes.push_back(measured.fallback);
+  return {measured.result.begin(), measured.result.end()};
+}
+
+TakenDistances take_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                              const DistanceChoice& choice, const Session& session) {
+  const DistanceBackend chosen = choose_for_distances(mesh.triangle_count(), session);
+  return {chosen, measure_on(chosen.backend, mesh, spheres, choice, session)};
+}
+
+namespace {
+
+// Adds the distances and says which backend measured them, and why.
+void add_distances(const TakenDistances& taken, Session& session) {
+  ComparisonReport& comparison = *session.report.comparison;
+  const auto& [chosen, measured] = taken;
+  comparison.distances = measured.result;
+  comparison.distances_reason = chosen.reason;
+  comparison.distances_backend = chosen.backend == Backend::cpu ? Backend::cpu : Backend::cuda;
+  if (measured.fallback.empty()) return;
+  session.report.notes.push_back(measured.fallback);
+  comparison.distances_backend = Backend::cpu;
+  comparison.distances_reason = measured.fallback;
+}
+
+// Point contacts count twice on a mesh, as in Comparison.
+std::optional<bool> has_exact_topology(const MeshReport& mesh, const ExactReport& exact) {
+  if (!exact.topology || !mesh.topology.components || !mesh.topology.voids) return std::nullopt;
+  const UnionTopology& topology = *exact.topology;
+  return mesh.topology.euler_characteristic ==
+             topology.euler_characteristic +
+                 2 * static_cast<std::int64_t>(topology.point_contacts) &&
+         *mesh.topology.components == topology.components && *mesh.topology.voids == topology.voids;
+}
+
+std::optional<double> relative_error(const std::optional<double>& value, double exact) {
+  return value ? std::optional(*value / exact - 1) : std::nullopt;
+}
+
+// Atoms of files without names, such as XYZR, are called by their place in use, from 1.
+std::string name_of_atom(const Molecule& molecule, SphereId id) {
+  const Atom& atom = molecule.atoms[id];
+  if (atom.name.empty()) return fmt::format("atom {}", id + 1);
+  return fmt::format("{}/{} {} {}", atom.chain.view(), atom.residue_number.view(),
+                     atom.residue_name.view(), atom.name.view());
+}
+
+std::optional<AtomErrors> atom_errors(const IndexedMesh& mesh, const Molecule& molecule,
+                                      const ExactReport& exact) {
+  const auto errors =
+      area_errors(mesh_area_by_sphere(mesh, molecule.atoms.size()), exact.per_sphere);
+  if (!errors) return std::nullopt;
+  return AtomErrors{errors->max, errors->rms, errors->spheres,
+                    name_of_atom(molecule, errors->worst)};
+}
+
+}  // namespace
+
+void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
+                        const DistanceChoice& choice, Session& session) {
+  std::optional<TakenDistances> taken;
+  if (choice.distances == Switch::on) taken = take_distances(mesh, spheres, choice, session);
+  compare_with_exact(spheres, taken, session);
+}
+
+void compare_with_exact(const SphereSet& spheres, const std::optional<TakenDistances>& taken,
+                        Session& session) {
+  Report& report = session.report;
+  report.comparison.emplace(compare(report.mesh->topology, report.mesh->measures, *report.exact));
+  if (taken) add_distances(*taken, session);
+  const auto& counts = report.exact->counts;
+  warn_of_lost_components(counts ? counts->components : count_components(spheres), report);
+  session.end_stage(&Timing::compare);
+}
+
+void prove(const IndexedMesh& mesh, const Molecule& molecule, Session& session) {
+  Report& report = session.report;
+  if (mesh.triangle_labels() == TriangleLabels::none || !report.parameters ||
+      report.parameters->surface.mesher != Mesher::exact) {
+    return;
+  }
+  MeshProof& proof = report.comparison->proof.emplace();
+  proof.topology_is_exact = has_exact_topology(*report.mesh, *report.exact);
+  proof.atoms = atom_errors(mesh, molecule, *report.exact);
+  if (const auto& stats = report.mesh->arrangement) proof.below_floor = stats->below_floor;
+  if (!report.input.measure) {
+    proof.extrapolated_area_error =
+        relative_error(report.mesh->extrapolated_area, report.exact->area);
+    proof.extrapolated_volume_error =
+        relative_error(report.mesh->extrapolated_volume, report.exact->volume);
+  }
+  session.end_stage(&Timing::compare);
+}
+
+void warn_of_lost_balls(const SphereSet& spheres, Session& session) {
+  warn_of_lost_balls(count_components(spheres), session);
+}
+
+void warn_of_lost_balls(std::uint64_t pieces, Session& session) {
+  warn_of_lost_components(pieces, session.report);
+}
+
+}  // namespace vdwmesh::apps

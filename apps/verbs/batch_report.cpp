@@ -1,0 +1,60 @@
+// The steps of `vdwmesh report`, for one structure of many. Each structure has a session of its
+// own, without a progress bar. Its steps run on the thread of the worker, and other threads help
+// only when they have no structure left.
+#include "verbs/batch_report.hpp"
+
+#include <limits>
+#include <utility>
+
+#include "steps/edge_lengths.hpp"
+#include "steps/exact_steps.hpp"
+#include "steps/measured_mesh.hpp"
+#include "steps/steps.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+Session session_of(const Options& options, const BatchOptions& one) {
+  Session session{options.machine, nullptr, {}, {}};
+  session.machine.backend = Backend::cpu;
+  session.machine.memory_limit = one.read.memory_limit;
+  return session;
+}
+
+void report_into(ReportRow& row, const NamedStructure& source, Options options,
+                 const BatchOptions& one) {
+  Session session = session_of(options, one);
+  options.machine = session.machine;
+  const InputOptions& input = options.inputs.front();
+  Molecule molecule = read_named_structure(source, one.read);
+  describe_input(molecule, row);
+  describe_input(molecule, input, session);
+  SphereSet spheres = to_spheres(molecule, input.probe);
+  const Structure structure{std::move(molecule), std::move(spheres)};
+  const IndexedMesh mesh =
+      make_measured_mesh(structure.spheres, with_edge_lengths(options, structure), session);
+  measure_exactly(structure.spheres, options.exact, session, measured_spheres(structure.molecule));
+  compare_with_exact(mesh, structure.spheres, options.distances, session);
+  prove(mesh, structure.molecule, session);
+  add_warnings(session.report);
+  Report& report = session.report;
+  describe_union(*report.exact, row);
+  row.mesh = std::move(report.mesh);
+  row.comparison = std::move(report.comparison);
+  row.warnings = std::move(report.warnings);
+  if (row.mesh->arrangement)
+    row.mesh->arrangement->arrangement_seconds = std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+ReportRow make_report_row(const NamedStructure& structure, const Options& options,
+                          const BatchOptions& one) {
+  ReportRow row;
+  row.name = structure.name;
+  row.content = content_of(structure);
+  row.error = refusal_of([&] { report_into(row, structure, options, one); });
+  return row;
+}
+
+}  // namespace vdwmesh::apps

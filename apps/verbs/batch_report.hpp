@@ -1,0 +1,25 @@
+// Rows of `vdwmesh batch --verb report`.
+#pragma once
+
+#include <optional>
+
+#include "batch/batch.hpp"
+#include "command_line/command_line.hpp"
+#include "report/report.hpp"
+
+namespace vdwmesh::apps {
+
+// The figures of a report that rows have beside those of the exact union.
+struct ReportRow : BatchRow {
+  std::optional<MeshReport> mesh;
+  std::optional<ComparisonReport> comparison;
+};
+
+// Reads the structure, and makes and compares its mesh, on the CPU. Of `one`, the options of
+// reading and the check are used. The figures are those of `vdwmesh report`, but for the time that
+// the crease-exact mesher took: rows do not depend on the machine. A structure that is refused has
+// no figures but an error.
+ReportRow make_report_row(const NamedStructure& structure, const Options& options,
+                          const BatchOptions& one);
+
+}  // namespace vdwmesh::apps

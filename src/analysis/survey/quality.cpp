@@ -1,0 +1,285 @@
+// Quality of triangles: smallest angles, aspect ratios and edge lengths, as distributions and as
+// histograms.
+//
+//  1. The corners of a block of triangles are gathered into arrays of coordinates.
+//  2. Loops that the compiler makes vectors of compute the edge lengths and the area of each
+//     triangle, and from these its smallest angle and its aspect ratio.
+//  3. The values of a block go to BracketedValues (analysis/distances/distribution.hpp) or into a
+//  histogram,
+//     while they are in the cache. Only the histogram of edge lengths wants an array of all.
+//
+// The edge lengths come from survey_part(), which sees each edge once.
+//
+// A triangle is degenerate if it has a repeated index or area exactly 0. It has the angle 0 and no
+// aspect ratio.
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "analysis/distances/distribution.hpp"
+#include "analysis/mesh_measures.hpp"
+#include "analysis/quality_histograms.hpp"
+#include "analysis/survey/quality_parts.hpp"
+#include "analysis/survey/vertex_survey.hpp"
+#include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/lanes/multiversion.hpp"
+#include "surface/triangle_check.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kTrianglesPerTask = 1 << 12;
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+
+// The corners of up to kSize triangles, coordinate by coordinate, and what follows from them.
+struct ShapeBlock {
+  static constexpr std::size_t kSize = 256;
+  using Column = std::array<double, kSize>;
+
+  std::array<Vec3<Column>, 3> corners;  // Å
+  Column is_proper;                     // 0 if the triangle has a repeated index, else 1
+  Column sine, cosine;                  // of the smallest angle, both times the same factor
+  Column ratio;                         // the aspect ratio, or -1 if the triangle has no area
+};
+
+bool has_repeated_index(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+void gather(const IndexedMesh& mesh, std::size_t first, std::size_t count, ShapeBlock& block) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Triangle& triangle = mesh.triangles[first + i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& p = mesh.positions[triangle[k]];
+      block.corners[k].x[i] = p.x, block.corners[k].y[i] = p.y, block.corners[k].z[i] = p.z;
+    }
+    block.is_proper[i] = has_repeated_index(triangle) ? 0 : 1;
+  }
+}
+
+// With the edge lengths a >= b >= c and the area A, the smallest angle lies between a and b. Its
+// sine is 2 A / (a b), and by the law of cosines its cosine is (a² + b² - c²) / (2 a b). The block
+// gets both multiplied by 2 a b. The code writes a² - c² as (a - c)(a + c), which keeps its digits
+// if a and c are nearly equal.
+//
+// The aspect ratio is R / (2 r) = a b c (a + b + c) / (16 A²), from the circumradius
+// R = a b c / (4 A) and the inradius r = 2 A / (a + b + c). An overflow becomes the largest double,
+// so the ratio of a triangle of finite area is finite. A triangle with a repeated index has area 0,
+// even if rounding would give another one.
+VDWMESH_MULTIVERSION void compute(std::size_t count, ShapeBlock& block) {
+  const auto& [p, q, r] = block.corners;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d a{p.x[i], p.y[i], p.z[i]};
+    const Vec3d ab = Vec3d{q.x[i], q.y[i], q.z[i]} - a, ac = Vec3d{r.x[i], r.y[i], r.z[i]} - a;
+    const Vec3d bc = Vec3d{r.x[i], r.y[i], r.z[i]} - Vec3d{q.x[i], q.y[i], q.z[i]};
+    const double l = norm(ab), m = norm(ac), n = norm(bc);
+    const double larger = std::max(l, m), smaller = std::min(l, m);
+    const double longest = std::max(larger, n), rest = std::min(larger, n);
+    const double middle = std::max(smaller, rest), shortest = std::min(smaller, rest);
+    const double area = block.is_proper[i] != 0 ? norm(cross(ab, ac)) / 2 : 0;
+    block.sine[i] = 4 * area;
+    block.cosine[i] = middle * middle + (longest - shortest) * (longest + shortest);
+    const double ratio =
+        (longest * middle / (4 * area)) * (shortest * (longest + middle + shortest) / (4 * area));
+    const double finite = std::min(ratio, std::numeric_limits<double>::max());
+    block.ratio[i] = area > 0 ? finite : -1;
+  }
+}
+
+// The shapes of one block of triangles. Each thread has one.
+struct Shapes {
+  ShapeBlock block;
+  std::vector<double> angles, ratios;
+
+  TriangleShapes of(const IndexedMesh& mesh, std::size_t first, std::size_t last) {
+    angles.resize(last - first);
+    ratios.resize(last - first);
+    std::size_t with_area = 0;
+    for (std::size_t from = first; from < last; from += ShapeBlock::kSize) {
+      const std::size_t count = std::min(ShapeBlock::kSize, last - from);
+      gather(mesh, from, count, block);
+      compute(count, block);
+      for (std::size_t i = 0; i < count; ++i) {
+        const double angle = std::atan2(block.sine[i], block.cosine[i]) * kDegreesPerRadian;
+        angles[from - first + i] = block.sine[i] == 0 ? 0 : angle;
+        ratios[with_area] = block.ratio[i];
+        with_area += block.ratio[i] != -1;
+      }
+    }
+    return {angles, std::span<const double>(ratios).first(with_area)};
+  }
+};
+
+// Returns the relative position of a value between the bounds of a histogram, on the chosen scale:
+// 0 at `lower`, 1 at `upper`.
+double place(double value, BinScale scale, double lower, double upper) {
+  if (scale == BinScale::linear) return (value - lower) / (upper - lower);
+  return std::log(value / lower) / std::log(upper / lower);
+}
+
+// The values of a set of triangles by brackets.
+struct BracketedShapes {
+  BracketedValues angles, ratios;
+
+  void add(const MeshPart& part) {
+    visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
+      angles.add(shapes.min_angles_deg);
+      ratios.add(shapes.aspect_ratios);
+    });
+  }
+};
+
+// The histogram of the sums of parts. Precondition: all have the same bins.
+void add(Histogram& sum, const Histogram& other) {
+  sum.below += other.below;
+  sum.above += other.above;
+  for (std::size_t i = 0; i < sum.counts.size(); ++i) sum.counts[i] += other.counts[i];
+}
+
+}  // namespace
+
+void visit_shapes(const MeshPart& part,
+                  const std::function<void(std::size_t, const TriangleShapes&)>& visit) {
+  tbb::enumerable_thread_specific<Shapes> threads;
+  for_each_block(part.triangles, kTrianglesPerTask,
+                 [&](std::size_t, std::size_t first, std::size_t last) {
+                   visit(first, threads.local().of(part.mesh, first, last));
+                 });
+}
+
+std::size_t usual_sample_step(std::uint64_t triangles) {
+  constexpr std::uint64_t kSample = 1 << 13;  // triangles
+  return static_cast<std::size_t>(triangles / kSample + 1) | 1;
+}
+
+QualitySample sample_quality(const MeshPart& part, std::size_t step) {
+  QualitySample sample;
+  if (part.triangles < kFewTriangles) return sample;
+  Shapes shapes;
+  for (std::size_t t = 0; t < part.triangles; t += step) {
+    const auto& [a, b, c] = part.mesh.triangles[t];
+    if (std::max({a, b, c}) >= part.mesh.vertex_count()) continue;  // survey_part() refuses it
+    const TriangleShapes found = shapes.of(part.mesh, t, t + 1);
+    sample.min_angles_deg.push_back(found.min_angles_deg[0]);
+    if (!found.aspect_ratios.empty()) sample.aspect_ratios.push_back(found.aspect_ratios[0]);
+    const Buffer<Vec3d>& p = part.mesh.positions;
+    sample.edge_lengths.insert(sample.edge_lengths.end(),
+                               {norm(p[b] - p[a]), norm(p[c] - p[b]), norm(p[a] - p[c])});
+  }
+  return sample;
+}
+
+// The values are made with brackets from the sample, and again with brackets for everything if a
+// percentile was missed.
+MeshQuality quality_of_triangles(const IndexedMesh& mesh, QualitySample sample) {
+  MeshQuality result{};
+  const auto fill = [&](const Brackets& of_angles, const Brackets& of_ratios) {
+    BracketedShapes shapes{BracketedValues(of_angles), BracketedValues(of_ratios)};
+    shapes.add(whole(mesh));
+    const auto angles = distribution_of(shapes.angles), ratios = distribution_of(shapes.ratios);
+    if (!angles || !ratios) return false;
+    result.min_angle_deg = *angles;
+    result.aspect_ratio = *ratios;
+    result.degenerate_triangles = mesh.triangle_count() - shapes.ratios.summary().count;
+    return true;
+  };
+  if (!fill(brackets_from_sample(std::move(sample.min_angles_deg)),
+            brackets_from_sample(std::move(sample.aspect_ratios))))
+    (void)fill(bracket_of_everything(), bracket_of_everything());
+  return result;
+}
+
+MeshQuality quality(const IndexedMesh& mesh) {
+  const MeshPart part = whole(mesh);
+  QualitySample sample = sample_quality(part, usual_sample_step(mesh.triangle_count()));
+  const Distribution edge_length =
+      distribution_by_sample(std::move(sample.edge_lengths),
+                             [&](BracketedValues& lengths) { survey_part(part, {&lengths}); });
+  MeshQuality result = quality_of_triangles(mesh, std::move(sample));
+  result.edge_length = edge_length;
+  return result;
+}
+
+Histogram histogram(std::span<const double> values, BinScale scale, double lower, double upper,
+                    std::size_t bins) {
+  if (bins == 0) throw InvalidInput("a histogram needs at least one bin");
+  if (!(lower < upper) || (scale == BinScale::logarithmic && !(lower > 0))) {
+    throw InvalidInput(
+        "the bounds of a histogram must rise, those of logarithmic bins from above 0");
+  }
+  Histogram result{scale, lower, upper, 0, 0, std::vector<std::uint64_t>(bins)};
+  for (const double value : values) {
+    // Written with ! so that NaN counts as below.
+    if (!(value >= lower)) {
+      ++result.below;
+    } else if (value > upper) {
+      ++result.above;
+    } else {
+      // The value `upper` itself would get the number `bins`; it belongs to the last bin.
+      const double bin = place(value, scale, lower, upper) * static_cast<double>(bins);
+      ++result.counts[std::min(static_cast<std::size_t>(bin), bins - 1)];
+    }
+  }
+  return result;
+}
+
+QualityHistograms quality_histograms(const IndexedMesh& mesh) {
+  QualityHistograms result;
+  const MeshPart part = whole(mesh);
+  BracketedValues lengths(bracket_of_everything());
+  survey_part(part, {&lengths});
+  result.edge_length = histogram(lengths.inside(0), BinScale::logarithmic, 0x1p-10, 4, 48);
+  // The smallest angle of a triangle is at most 60 degrees and its aspect ratio at least 1. Values
+  // that rounding put beyond these bounds are moved to the bound, so that they count in a bin.
+  const auto of_angles = [](std::span<const double> angles) {
+    return histogram(angles, BinScale::linear, 0, 60, 30);
+  };
+  const auto of_ratios = [](std::span<const double> ratios) {
+    return histogram(ratios, BinScale::logarithmic, 1, 1024, 40);
+  };
+  struct ThreadQuality {
+    Histogram angles, ratios;
+    std::vector<double> moved;
+  };
+  tbb::enumerable_thread_specific<ThreadQuality> threads(
+      ThreadQuality{of_angles({}), of_ratios({}), {}});
+  visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
+    ThreadQuality& mine = threads.local();
+    const auto add_moved = [&](std::span<const double> values, const auto& move, Histogram& sum,
+                               const auto& make) {
+      mine.moved.resize(values.size());
+      std::ranges::transform(values, mine.moved.begin(), move);
+      add(sum, make(mine.moved));
+    };
+    add_moved(
+        shapes.min_angles_deg, [](double angle) { return std::min(angle, 60.0); }, mine.angles,
+        of_angles);
+    add_moved(
+        shapes.aspect_ratios, [](double ratio) { return std::max(ratio, 1.0); }, mine.ratios,
+        of_ratios);
+  });
+  result.min_angle_deg = of_angles({});
+  result.aspect_ratio = of_ratios({});
+  for (const ThreadQuality& mine : threads) {
+    add(result.min_angle_deg, mine.angles);
+    add(result.aspect_ratio, mine.ratios);
+  }
+  return result;
+}
+
+std::vector<float> min_angles_deg(const IndexedMesh& mesh) {
+  check_triangles(mesh.triangles, mesh.vertex_count());
+  std::vector<float> angles(mesh.triangle_count());
+  visit_shapes(whole(mesh), [&](std::size_t first, const TriangleShapes& shapes) {
+    std::ranges::transform(shapes.min_angles_deg, &angles[first],
+                           [](double angle) { return static_cast<float>(angle); });
+  });
+  return angles;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,383 @@
+// Shapes of edges, triangles and tetrahedra, evaluated in double or in 100 decimal digits.
+//
+// Every quantity is a quotient, a root or an angle of polynomials in the coordinates. Templates
+// over the number type T write each formula once. is_thin(), is_flat() and is_short() decide
+// whether double keeps enough digits of the polynomials; if not, T = Float100 evaluates them again.
+// Results are double in both cases.
+//
+// Notation: for balls a, b the half power offset w_b = (|ab|² + r_a² - r_b²) / 2 is the scalar
+// product of ab and the orthogonal centre, taken from the centre of a.
+#include "complex/simplex_shape.hpp"
+
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "complex/number_vector.hpp"
+#include "complex/power_triangulation.hpp"
+#include "complex/wide_points.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Float100 = WideFloat;
+
+// A triangle is thin if the sine of its smallest angle is below kThinSine. A tetrahedron is flat if
+// six times its volume is below kFlatVolume times the product of the lengths of the three edges at
+// ball 0. At these limits double loses three digits of an angle and four digits of an orthogonal
+// centre: with some 1e-16 at first, it still gives them to 1e-13 and 1e-12.
+constexpr double kThinSine = 1e-3;
+constexpr double kFlatVolume = 1e-4;
+
+// A chord between the two points common to three spheres is short if half of it is below this
+// fraction of the largest radius. The square of the half is a difference of squares of about that
+// radius, and would lose six digits or more in double.
+constexpr double kShortChord = 1e-3;
+
+// The polynomials below have up to eight lengths in a product. If edges are at least kShortEdge =
+// 2^-100 long, such a product is at least 2^-800, so nothing underflows.
+constexpr double kLeastSquaredLength = kShortEdge * kShortEdge;
+
+using numbers::from_to;
+using numbers::Vector;
+template <class T>
+Vector<T> difference(const Vector<T>& a, const Vector<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+// w_b = ab · (orthogonal centre - c_a).
+template <class T>
+T half_power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
+  return (dot(ab, ab) + (T(a.radius) - T(b.radius)) * (T(a.radius) + T(b.radius))) * T(0.5);
+}
+
+// Only sums and differences lose digits by cancellation. Still, the roots and quotients of their
+// results are computed in T too, because a double may not hold their arguments: the square of a
+// length of 1e-170 underflows to 0. The conversion to double comes last.
+double to_double(double value) { return value; }
+double to_double(const Float100& value) { return static_cast<double>(value); }
+double ratio(double a, double b) { return a / b; }
+double ratio(const Float100& a, const Float100& b) { return static_cast<double>(a / b); }
+
+// A negative square is a rounding error of 0, so its root is 0. The root of NaN is NaN.
+double root(double square) { return square <= 0 ? 0 : std::sqrt(square); }
+
+// The square root by Newton's iteration for the inverse root, which needs no division. A step
+// doubles the number of correct bits: 53 from the double, 106, 212, 424, and Float100 has 335. An
+// even power of two is split off first, so that the mantissa fits a double.
+Float100 root(const Float100& square) {
+  if (square <= 0) return 0;
+  auto exponent = ilogb(square);
+  exponent -= exponent % 2;
+  const Float100 mantissa = ldexp(square, -exponent);  // in (1/2, 4)
+  Float100 inverse = 1 / std::sqrt(to_double(mantissa));
+  for (int step = 0; step < 3; ++step) {
+    inverse += inverse * (1 - mantissa * inverse * inverse) / 2;
+  }
+  return ldexp(Float100(mantissa * inverse), exponent / 2);
+}
+
+// The angle of the vector (x, y) from the x axis, in [-π, π]. For Float100, both coordinates are
+// first divided by the larger absolute value, so that they fit doubles. The zero vector has the
+// angle 0.
+double angle(double y, double x) { return std::atan2(y, x); }
+double angle(const Float100& y, const Float100& x) {
+  const Float100 size = std::max<Float100>(abs(x), abs(y));
+  return size > 0 ? std::atan2(to_double(Float100(y / size)), to_double(Float100(x / size))) : 0.0;
+}
+
+// v / divisor. The quotient of each coordinate is computed in T.
+template <class T>
+Vec3d quotient(const Vector<T>& v, const T& divisor) {
+  return {ratio(v.x, divisor), ratio(v.y, divisor), ratio(v.z, divisor)};
+}
+
+// The shape of a triangle. For the edge ab opposite to vertex c, with L = |ab|² and G = (twice the
+// area)²:
+//   distance       = (w_c L - w_b ab·ac) / sqrt(G L)
+//   squared circle = (r_a² L - w_b²) / L
+//   half_chord²    = squared circle - distance²
+template <class T>
+TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
+  const Vector<T> normal = cross(from_to<T>(*v[0], *v[1]), from_to<T>(*v[0], *v[2]));
+  const T gram = dot(normal, normal), twice_area = root(gram);
+  TriangleShape shape{};
+  shape.twice_area = to_double(twice_area);
+  double smallest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Sphere &a = *v[(k + 1) % 3], &b = *v[(k + 2) % 3], &c = *v[k];
+    const Vector<T> ab = from_to<T>(a, b), ac = from_to<T>(a, c);
+    const T wb = half_power_offset(a, b, ab), wc = half_power_offset(a, c, ac);
+    const T squared_length = dot(ab, ab), scale = twice_area * root(squared_length);
+    const T distance = wc * squared_length - wb * dot(ab, ac);
+    shape.distance[k] = ratio(distance, scale);
+    // half_chord is the same for all three edges. The smallest circle gives it with the least
+    // rounding.
+    const T circle = T(a.radius) * T(a.radius) * squared_length - wb * wb;
+    const double squared_circle_radius = ratio(circle, squared_length);
+    if (k > 0 && squared_circle_radius >= smallest) continue;
+    smallest = squared_circle_radius;
+    const T chord = circle * gram - distance * distance;
+    shape.half_chord = ratio(root(chord), scale);
+  }
+  return shape;
+}
+
+// Whether the triangle with the edge vectors u and v is too thin, or has an edge too short, for
+// double. Twice the area over the product of the two longest edges is the sine of its smallest
+// angle. The comparisons are written with !(... >= ...) so that NaN also counts as thin; is_short()
+// and is_flat() do the same.
+bool is_thin(const Vector<double>& u, const Vector<double>& v) {
+  const double uu = dot(u, u), vv = dot(v, v);
+  const Vector<double> w = difference(v, u), normal = cross(u, v);
+  const double ww = dot(w, w);
+  if (!(std::min({uu, vv, ww}) >= kLeastSquaredLength)) return true;
+  const double two_longest = std::max({uu * vv, uu * ww, vv * ww});
+  return !(dot(normal, normal) >= kThinSine * kThinSine * two_longest);
+}
+
+// The denominator in the formula of Van Oosterom and Strackee 1983 for the solid angle that p, q
+// and a point x common to the three spheres span at o: the tangent of half of it is det(op, oq, ox)
+// over |op| |oq| |ox| + (op·oq) |ox| + (op·ox) |oq| + (oq·ox) |op|. Here |ox| is the radius of o,
+// and op·ox, oq·ox are half power offsets.
+template <class T>
+T solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q) {
+  const Vector<T> op = from_to<T>(o, p), oq = from_to<T>(o, q);
+  const T lp = root(T(dot(op, op))), lq = root(T(dot(oq, oq)));
+  return T(o.radius) * (lp * lq + dot(op, oq)) + half_power_offset(o, p, op) * lq +
+         half_power_offset(o, q, oq) * lp;
+}
+
+// Whether half a chord is too short for double; see kShortChord.
+bool is_short(double half_chord, const Sphere& a, const Sphere& b, const Sphere& c) {
+  return !(half_chord >= kShortChord * std::max({a.radius, b.radius, c.radius}));
+}
+
+// The polynomials behind a tetrahedron's angles and heights, with the centre of ball 0 as origin.
+template <class T>
+struct TetrahedronTerms {
+  std::array<Vector<T>, 3> edge;  // from ball 0 to balls 1, 2, 3
+  std::array<Vector<T>, 4>
+      normal;  // of the facet opposite to k: outward, as long as twice its area
+  std::array<T, 4> squared_normal;
+  T determinant;  // six times the volume
+
+  explicit TetrahedronTerms(const std::array<Sphere, 4>& v) {
+    for (std::size_t k = 0; k < 3; ++k) edge[k] = from_to<T>(v[0], v[k + 1]);
+    normal[1] = cross(edge[2], edge[1]);
+    normal[2] = cross(edge[0], edge[2]);
+    normal[3] = cross(edge[1], edge[0]);
+    normal[0] = cross(difference(edge[1], edge[0]), difference(edge[2], edge[0]));
+    for (std::size_t k = 0; k < 4; ++k) squared_normal[k] = dot(normal[k], normal[k]);
+    determinant = -dot(edge[0], normal[1]);
+  }
+};
+
+// The dihedral angle at an edge from the outward normals m and n of its facets, with |m × n| =
+// determinant * |edge|: cosine ∝ -m·n, sine ∝ determinant * |edge|.
+template <class T>
+void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
+                   TetrahedronShape& shape) {
+  // A tetrahedron of volume 0 has the angles 0 and π. A negative value or a negative zero would
+  // turn π into -π.
+  const T determinant = terms.determinant <= 0 ? T(0) : terms.determinant;
+  for (std::size_t p = 0; p < 6; ++p) {
+    // The facets at an edge are those opposite to the other two vertices.
+    const auto &m = terms.normal[kPairs[5 - p][0]], &n = terms.normal[kPairs[5 - p][1]];
+    const auto edge = from_to<T>(v[kPairs[p][0]], v[kPairs[p][1]]);
+    shape.dihedral[p] = angle(T(determinant * root(T(dot(edge, edge)))), T(-dot(m, n)));
+  }
+}
+
+// The orthogonal centre x, from ball 0, times minus the determinant. By Cramer's rule the solution
+// of edge[k]·x = w[k] is a combination of the normals of the facets through ball 0.
+template <class T>
+Vector<T> center_numerator(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
+  std::array<T, 3> w;
+  for (std::size_t k = 0; k < 3; ++k) w[k] = half_power_offset(v[0], v[k + 1], terms.edge[k]);
+  const auto& n = terms.normal;
+  return {w[0] * n[1].x + w[1] * n[2].x + w[2] * n[3].x,
+          w[0] * n[1].y + w[1] * n[2].y + w[2] * n[3].y,
+          w[0] * n[1].z + w[1] * n[2].z + w[2] * n[3].z};
+}
+
+// Heights of the orthogonal centre x over the facets: -n·x / |n| for a facet through ball 0 with
+// the outward normal n. center_numerator() gives -determinant * x.
+template <class T>
+void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
+                        TetrahedronShape& shape) {
+  const Vector<T> center = center_numerator(v, terms);
+  const T& d = terms.determinant;
+  for (std::size_t k = 0; k < 4; ++k) {
+    T reach = dot(center, terms.normal[k]);
+    if (k == 0) reach += d * d;  // ball 0 is not on facet 0, but d / |n| above it
+    shape.center_height[k] = ratio(reach, T(d * root(terms.squared_normal[k])));
+  }
+}
+
+// The points common to three spheres, times the squared normal |n|² = `gram` of the triangle. With
+// u = ab, v = ac and n = u × v, the orthogonal centre in the plane is (w_u v×n + w_v n×u) / |n|².
+// The points lie above and below it by sqrt(r_a² - |centre|²).
+template <class T>
+struct CommonPointTerms {
+  Vector<T> normal, center;  // `center` and `half_chord` are multiplied by `gram`
+  T gram, half_chord;
+};
+
+template <class T>
+CommonPointTerms<T> common_point_terms(const Sphere& a, const Sphere& b, const Sphere& c,
+                                       const T& more) {
+  const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
+  const Vector<T> vn = cross(v, n), nu = cross(n, u);
+  const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v), gram = dot(n, n);
+  const Vector<T> center{wu * vn.x + wv * nu.x, wu * vn.y + wv * nu.y, wu * vn.z + wv * nu.z};
+  const T scaled_radius = T(a.radius) * gram;
+  const T scaled_square = scaled_radius * scaled_radius + more * gram * gram;
+  return {n, center, gram, root(T(scaled_square - dot(center, center)))};
+}
+
+template <class T>
+CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const CommonPointTerms<T> terms = common_point_terms<T>(a, b, c, T(0));
+  const double half_chord = ratio(terms.half_chord, terms.gram);
+  const T twice_area = root(terms.gram);
+  const Vec3d middle = quotient(terms.center, terms.gram);
+  const Vec3d lift = half_chord * quotient(terms.normal, twice_area);
+  return {middle + lift, middle - lift, half_chord, to_double(twice_area)};
+}
+
+// The shape of a tetrahedron. A solid angle is the sum of three dihedral angles less π.
+template <class T>
+TetrahedronShape shape_in(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
+  TetrahedronShape shape{};
+  set_dihedrals(v, terms, shape);
+  set_center_heights(v, terms, shape);
+  const auto& d = shape.dihedral;
+  shape.solid_angle = {d[0] + d[1] + d[2] - std::numbers::pi, d[0] + d[3] + d[4] - std::numbers::pi,
+                       d[1] + d[3] + d[5] - std::numbers::pi,
+                       d[2] + d[4] + d[5] - std::numbers::pi};
+  shape.volume = to_double(terms.determinant) / 6;
+  return shape;
+}
+
+// Whether the tetrahedron is too flat for double, or one of its facets too thin.
+bool is_flat(const TetrahedronTerms<double>& terms) {
+  const auto& e = terms.edge;
+  const double ab = dot(e[0], e[0]), ac = dot(e[1], e[1]), ad = dot(e[2], e[2]);
+  if (!(terms.determinant * terms.determinant >= kFlatVolume * kFlatVolume * ab * ac * ad)) {
+    return true;
+  }
+  return is_thin(e[0], e[1]) || is_thin(e[0], e[2]) || is_thin(e[1], e[2]) ||
+         is_thin(difference(e[1], e[0]), difference(e[2], e[0]));
+}
+
+// The shape of an edge. The squared circle radius r² - h² = (r - h)(r + h) is taken on the smaller
+// sphere, which has the smaller rounding error.
+template <class T>
+EdgeShape shape_in(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
+  const T length = root(T(dot(ab, ab)));
+  const double at_a = ratio(half_power_offset(a, b, ab), length),
+               at_b = ratio(half_power_offset(b, a, ab), length);
+  const bool a_smaller = a.radius < b.radius;
+  const double radius = a_smaller ? a.radius : b.radius, height = a_smaller ? at_a : at_b;
+  const double squared = (radius - height) * (radius + height);
+  return {to_double(length), {at_a, at_b}, squared <= 0 ? 0 : squared};
+}
+
+template <class T>
+T twice_area(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const Vector<T> normal = cross(from_to<T>(a, b), from_to<T>(a, c));
+  return root(T(dot(normal, normal)));
+}
+
+// The solid angles of a corner tetrahedron at its three centres. `determinant` is the determinant
+// of two edge vectors of the triangle and the vector to the common point, all from the same centre;
+// it is the same for every centre.
+template <class T>
+std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const T& determinant) {
+  std::array<double, 3> angles;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Sphere &o = *v[k], &p = *v[(k + 1) % 3], &q = *v[(k + 2) % 3];
+    angles[k] = 2 * angle(determinant, solid_angle_denominator<T>(o, p, q));
+  }
+  return angles;
+}
+
+}  // namespace
+
+EdgeShape edge_shape(const Sphere& a, const Sphere& b) {
+  const Vector<double> ab = from_to<double>(a, b);
+  if (!(dot(ab, ab) >= kLeastSquaredLength)) return shape_in(a, b, from_to<Float100>(a, b));
+  return shape_in(a, b, ab);
+}
+
+TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const std::array<const Sphere*, 3> v{&a, &b, &c};
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return shape_in<Float100>(v);
+  const TriangleShape shape = shape_in<double>(v);
+  return is_short(shape.half_chord, a, b, c) ? shape_in<Float100>(v) : shape;
+}
+
+CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<Float100>(a, b, c);
+  const CommonPoints points = points_in<double>(a, b, c);
+  return is_short(points.half_chord, a, b, c) ? points_in<Float100>(a, b, c) : points;
+}
+
+std::array<numbers::Vector<WideFloat>, 2> common_points_wide(const Sphere& a, const Sphere& b,
+                                                             const Sphere& c,
+                                                             const WideFloat& more) {
+  const CommonPointTerms<Float100> terms = common_point_terms<Float100>(a, b, c, more);
+  const Float100 lift = terms.half_chord / (terms.gram * root(terms.gram));
+  const auto at = [&](const Float100& center, const Float100& normal, const Float100& side) {
+    return WideFloat(Float100(center / terms.gram + side * normal));
+  };
+  const auto point = [&](const Float100& side) {
+    return Vector<WideFloat>{at(terms.center.x, terms.normal.x, side),
+                             at(terms.center.y, terms.normal.y, side),
+                             at(terms.center.z, terms.normal.z, side)};
+  };
+  return {point(lift), point(Float100(-lift))};
+}
+
+Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
+  const TetrahedronTerms<double> terms(balls);
+  if (!is_flat(terms)) return quotient(center_numerator(balls, terms), -terms.determinant);
+  const TetrahedronTerms<Float100> wide(balls);
+  return quotient(center_numerator(balls, wide), Float100(-wide.determinant));
+}
+
+double corner_dihedral(const std::array<const Sphere*, 3>& balls, const TriangleShape& triangle,
+                       std::size_t k) {
+  if (triangle.half_chord == 0 && triangle.distance[k] == 0) {
+    const Sphere &a = *balls[(k + 1) % 3], &b = *balls[(k + 2) % 3];
+    const EdgeShape edge = edge_shape(a, b);
+    if (edge.height[0] > 0 && edge.height[1] > 0) return std::numbers::pi / 2;
+  }
+  return std::atan2(triangle.half_chord, triangle.distance[k]);
+}
+
+CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
+                         const TriangleShape& triangle) {
+  const std::array<const Sphere*, 3> v{&a, &b, &c};
+  const bool wide = is_thin(from_to<double>(a, b), from_to<double>(a, c)) ||
+                    is_short(triangle.half_chord, a, b, c);
+  CornerShape corner{};
+  corner.solid_angle = wide ? solid_angles<Float100>(
+                                  v, twice_area<Float100>(a, b, c) * Float100(triangle.half_chord))
+                            : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
+  for (std::size_t k = 0; k < 3; ++k) {
+    corner.dihedral[k] = corner_dihedral(v, triangle, k);
+  }
+  corner.volume = triangle.twice_area * triangle.half_chord / 6;
+  return corner;
+}
+
+TetrahedronShape tetrahedron_shape(const std::array<Sphere, 4>& balls) {
+  const TetrahedronTerms<double> terms(balls);
+  if (is_flat(terms)) return shape_in(balls, TetrahedronTerms<Float100>(balls));
+  return shape_in(balls, terms);
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,58 @@
+// The exposed corners and arcs of the union's boundary as combinatorics: which balls meet there,
+// and which corners an arc joins. Their order follows from the numbers of the balls alone, so it
+// does not matter how they were found: from the dual complex, or from one power cell after another.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "complex/dual_complex.hpp"
+#include "core/buffer.hpp"
+
+namespace vdwmesh {
+
+// An exposed point common to three spheres. The two points that they have in common lie on either
+// side of the plane of their centres: side 0 is the one from which the centres of balls[0],
+// balls[1] and balls[2] are counter-clockwise, side 1 the other. Corners are sorted in this order.
+struct ExposedCorner {
+  std::array<std::uint32_t, 3> balls;  // ascending
+  std::uint32_t side;
+  friend auto operator<=>(const ExposedCorner&, const ExposedCorner&) = default;
+};
+
+// The corner of three balls in any order, on the side from which their centres are
+// counter-clockwise in that order (side 0) or on the other.
+ExposedCorner exposed_corner(std::array<std::uint32_t, 3> balls, std::uint32_t side);
+
+// An exposed arc of the circle in which two spheres meet. It runs counter-clockwise about the axis
+// from the first ball to the second, seen from the second. An arc without corners is a whole
+// circle, or a point if the balls only touch. Arcs are sorted in this order; two arcs differ in
+// their balls or in the corner at which they start.
+struct CornerArc {
+  std::array<std::uint32_t, 2> balls;    // ascending
+  std::array<std::uint32_t, 2> corners;  // indices; kNoIndex twice: a whole circle
+  bool is_circle() const { return corners[0] == kNoIndex; }
+  friend auto operator<=>(const CornerArc&, const CornerArc&) = default;
+};
+
+struct ExposedBoundary {
+  Buffer<ExposedCorner> corners;
+  Buffer<CornerArc> arcs;
+  // By ball, ascending: the balls that share an edge of the dual complex with it, exposed or not. A
+  // ball without arcs may have an empty row instead.
+  std::span<const std::uint32_t> neighbors(std::uint32_t ball) const {
+    return {neighbor_lists.data() + first_neighbor[ball],
+            first_neighbor[ball + 1] - first_neighbor[ball]};
+  }
+  Buffer<std::uint32_t> neighbor_lists;
+  std::vector<std::size_t> first_neighbor;  // by ball, and the end of the last row
+  std::vector<double> areas;                // exposed, by ball; scaled as the balls are
+};
+
+// All of it from the complex.
+ExposedBoundary exposed_boundary(const PowerTriangulation& triangulation,
+                                 const DualComplex& complex);
+
+}  // namespace vdwmesh

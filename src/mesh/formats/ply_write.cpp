@@ -1,0 +1,111 @@
+// Writer of PLY, the only format here that keeps everything a mesh has: double positions,
+// normals, colours, the sphere ids of vertices and faces, and patches with their curvatures. The
+// file is binary little-endian. The order of the properties in kHeader is the order in which
+// write_ply_vertex() and write_ply_face() append the values.
+#include <fmt/format.h>
+
+#include <limits>
+#include <string>
+
+#include "core/errors.hpp"
+#include "mesh/formats/formats.hpp"
+#include "mesh/formats/ply_records.hpp"
+#include "mesh/formats/record_writer.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+// A format string for seven values: comments on faces and on patches, number of vertices,
+// curvatures of vertices, number of faces, type of their indices, properties of faces. Texts are
+// empty for what the mesh does not have: spheres of triangles, or patches.
+constexpr const char* kHeader =
+    "ply\n"
+    "format binary_little_endian 1.0\n"
+    "comment made by vdwmesh; lengths in angstrom\n"
+    "comment atom, sphere2, sphere3: indices of the spheres a vertex lies on, -1 for none\n"
+    "{}{}"
+    "element vertex {}\n"
+    "property double x\n"
+    "property double y\n"
+    "property double z\n"
+    "property float nx\n"
+    "property float ny\n"
+    "property float nz\n"
+    "property uchar red\n"
+    "property uchar green\n"
+    "property uchar blue\n"
+    "property int atom\n"
+    "property int sphere2\n"
+    "property int sphere3\n"
+    "{}"
+    "element face {}\n"
+    "property list uchar {} vertex_indices\n"
+    "{}{}"
+    "end_header\n";
+constexpr const char* kFaceComment = "comment atom of a face: index of the sphere it is part of\n";
+constexpr const char* kFaceProperty = "property int atom\n";
+// Named otherwise than the atom of a face, because triangles of saddles lie on no sphere.
+constexpr const char* kPatchComment =
+    "comment patch_kind of a face: 0 contact, 1 saddle, 2 concave\n"
+    "comment patch_atom1, patch_atom2, patch_atom3 of a face: indices of the spheres that make its "
+    "patch, -1 for none\n"
+    "comment mean_curvature, gaussian_curvature of a vertex: 1/angstrom, 1/angstrom^2, positive "
+    "where the surface is convex\n";
+constexpr const char* kCurvatureProperties =
+    "property float mean_curvature\n"
+    "property float gaussian_curvature\n";
+constexpr const char* kPatchProperties =
+    "property uchar patch_kind\n"
+    "property int patch_atom1\n"
+    "property int patch_atom2\n"
+    "property int patch_atom3\n";
+
+}  // namespace
+
+std::string ply_header(const MeshSize& size, TriangleLabels labels, PatchLabels patches) {
+  const bool labelled = labels == TriangleLabels::spheres;
+  const bool patched = patches == PatchLabels::patches;
+  return fmt::format(kHeader, labelled ? kFaceComment : "", patched ? kPatchComment : "",
+                     size.vertices, patched ? kCurvatureProperties : "", size.triangles,
+                     size.vertices <= kMostIntPlyVertices ? "int" : "uint",
+                     labelled ? kFaceProperty : "", patched ? kPatchProperties : "");
+}
+
+std::int32_t ply_sphere(SphereId id) {
+  if (id == kNoSphere) return -1;
+  if (id > static_cast<SphereId>(std::numeric_limits<std::int32_t>::max()))
+    throw LimitExceeded(fmt::format("sphere {} is beyond PLY's int; leave some spheres out", id));
+  return static_cast<std::int32_t>(id);
+}
+
+void write_ply(const MeshView& view, ByteSink& sink) {
+  const IndexedMesh& mesh = view.mesh;
+  const PatchedMesh* const patched = view.patches;
+  const TriangleLabels labels = mesh.triangle_labels();
+  const std::string header = ply_header({mesh.vertex_count(), mesh.triangle_count()}, labels,
+                                        patched ? PatchLabels::patches : PatchLabels::none);
+  const std::uint64_t vertex_bytes = kPlyVertexBytes + (patched ? kPlyCurvatureBytes : 0);
+  const std::uint64_t face_bytes = ply_face_bytes(labels) + (patched ? kPlyPatchBytes : 0);
+  sink.expect(header.size() + vertex_bytes * mesh.vertex_count() +
+              face_bytes * mesh.triangle_count());
+  sink.write(header.data(), header.size());
+  const bool labelled = !mesh.vertex_spheres.empty();
+  const VertexCurvatures curvatures = patched ? vertex_curvatures(*patched) : VertexCurvatures{};
+  write_records(sink, mesh.vertex_count(), vertex_bytes, [&](RecordBytes& out, std::size_t v) {
+    const VertexSpheres spheres = labelled ? mesh.vertex_spheres[v] : on_sphere(kNoSphere);
+    write_ply_vertex(out, mesh.positions[v], view.normals[v], view.color(v), spheres);
+    if (!patched) return;
+    out.raw(curvatures.mean[v]);
+    out.raw(curvatures.gaussian[v]);
+  });
+  write_records(sink, mesh.triangle_count(), face_bytes, [&](RecordBytes& out, std::size_t t) {
+    write_ply_face(out, mesh.triangles[t]);
+    if (labels == TriangleLabels::spheres) out.raw(ply_sphere(mesh.triangle_spheres[t]));
+    if (!patched) return;
+    const SurfacePatch& patch = patched->patches[patched->triangle_patch[t]];
+    out.raw(static_cast<std::uint8_t>(patch.kind));
+    for (const SphereId id : patch.atoms) out.raw(ply_sphere(id));
+  });
+}
+
+}  // namespace vdwmesh::formats

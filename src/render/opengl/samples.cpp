@@ -1,0 +1,100 @@
+// Averages the samples of each pixel with equal weights (a box filter) in linear light. Averages of
+// encoded sRGB values would make edges too dark. The rows of the picture are computed in parallel.
+#include "render/opengl/samples.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace vdwmesh {
+namespace {
+
+// Linear light of each sRGB byte (IEC 61966-2-1), computed once.
+const std::array<double, 256>& linear_of_byte() {
+  static const auto kTable = [] {
+    std::array<double, 256> t{};
+    for (std::size_t i = 0; i < t.size(); ++i) t[i] = to_linear(static_cast<double>(i) / 255);
+    return t;
+  }();
+  return kTable;
+}
+
+struct Light {
+  double r = 0, g = 0, b = 0;
+};
+
+// The sum of light over the covered samples of one pixel, and the number of these samples.
+struct Covered {
+  Light light;
+  int count = 0;
+};
+
+// Adds up the covered samples of one pixel, in column x and in the given row. Rows count from the
+// bottom, as in Samples.
+Covered gather(const Samples& s, int x, int y_from_bottom) {
+  const std::array<double, 256>& linear = linear_of_byte();
+  Covered covered;
+  for (int j = 0; j < s.per_axis; ++j) {
+    const auto row = static_cast<std::size_t>(y_from_bottom * s.per_axis + j) *
+                     static_cast<std::size_t>(s.width);
+    for (int i = 0; i < s.per_axis; ++i) {
+      const Rgba8& v = s.values[row + static_cast<std::size_t>(x * s.per_axis + i)];
+      // Alpha 0: the sample shows no surface.
+      if (v[3] == 0) continue;
+      covered.light.r += linear[v[0]];
+      covered.light.g += linear[v[1]];
+      covered.light.b += linear[v[2]];
+      ++covered.count;
+    }
+  }
+  return covered;
+}
+
+// Returns a pixel of a picture without a background. Alpha is straight: the colour is not
+// multiplied by it. `samples` is the number of samples of a pixel.
+Rgba8 over_nothing(const Covered& c, int samples) {
+  if (c.count == 0) return {0, 0, 0, 0};
+  const double n = c.count;
+  return {to_srgb_byte(c.light.r / n), to_srgb_byte(c.light.g / n), to_srgb_byte(c.light.b / n),
+          static_cast<std::uint8_t>(std::lround(255.0 * n / samples))};
+}
+
+// Returns a pixel over a background. Samples that are not covered show the background.
+Rgba8 over(const Light& background, const Covered& c, int samples) {
+  const double free = samples - c.count;
+  const auto channel = [&](double light, double behind) {
+    return to_srgb_byte((light + free * behind) / samples);
+  };
+  return {channel(c.light.r, background.r), channel(c.light.g, background.g),
+          channel(c.light.b, background.b), 255};
+}
+
+}  // namespace
+
+double to_linear(double channel) {
+  return channel <= 0.04045 ? channel / 12.92 : std::pow((channel + 0.055) / 1.055, 2.4);
+}
+
+std::uint8_t to_srgb_byte(double light) {
+  const double v = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
+}
+
+void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture) {
+  const int rows = samples.height / samples.per_axis, of = samples.per_axis * samples.per_axis;
+  // The samples are bytes, so the background is rounded to bytes too: a pixel without covered
+  // samples then has exactly the bytes of the background.
+  const auto bytes = to_bytes(background.value_or(Rgb{0, 0, 0}));
+  const std::array<double, 256>& linear = linear_of_byte();
+  const Light behind{linear[bytes[0]], linear[bytes[1]], linear[bytes[2]]};
+  tbb::parallel_for(0, rows, [&](int y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const Covered covered = gather(samples, x, rows - 1 - y);
+      picture.at(x, y) = background ? over(behind, covered, of) : over_nothing(covered, of);
+    }
+  });
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,490 @@
+// Choice::run() goes through the options one after the other, on one list of sites. A site is an
+// atom of the file with its residue, chain and model (site.hpp). Each step erases sites and counts
+// them under its reason. The sites that are left get radii and become the atoms of the Molecule,
+// once each. For an assembly, its copies are listed; expanded() makes them.
+//
+// The atoms of an assembly are counted before its copies are listed. An operator expression of a
+// few characters can stand for billions of copies, so the number is checked against the limits
+// first.
+#include "structure/molecule/choose.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <gemmi/model.hpp>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "core/errors.hpp"
+#include "core/letters.hpp"
+#include "structure/molecule/site.hpp"
+#include "structure/molecule/site_selection.hpp"
+#include "structure/radii/assign_radii.hpp"
+#include "structure/read/copy_chain_names.hpp"
+#include "structure/read/hierarchy.hpp"
+#include "structure/read/lines.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Residue names of water. In the PDB these names mean nothing else.
+constexpr std::array<std::string_view, 4> kAlwaysWater{"HOH", "DOD", "WAT", "H2O"};
+// Names of water models in simulation programs. Other molecules have some of these names too, so
+// is_water() also looks at the atoms.
+constexpr std::array<std::string_view, 18> kSolvent{"W",    "WF",   "PW",   "SOL",  "TIP",  "TIP2",
+                                                    "TIP3", "TIP4", "TIP5", "TP3",  "TP4",  "TP5",
+                                                    "T3P",  "T4P",  "SPC",  "SPCE", "TP3M", "OH2"};
+
+// Elements that are too common to be listed in a note when they were derived from names.
+constexpr std::array<std::string_view, 7> kOrganicElements{"H", "D", "C", "N", "O", "P", "S"};
+
+template <class Names>
+bool listed(const Names& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// A residue is a water by a name in kAlwaysWater alone. With a name in kSolvent it is a water if it
+// has at most one oxygen, and beside that only hydrogens and atoms without an element (virtual
+// sites, beads). `sites` are all of its atoms.
+bool is_water(const gemmi::Residue& residue, std::span<const Site> sites) {
+  const std::string name = upper_case(residue.name);
+  if (listed(kAlwaysWater, name)) return true;
+  if (!listed(kSolvent, name)) return false;
+  std::set<std::string_view> oxygens;  // names, because alternate locations repeat an atom
+  for (const Site& site : sites) {
+    const gemmi::El element = site.atom->element;
+    if (element == gemmi::El::O)
+      oxygens.insert(site.atom->name);
+    else if (!gemmi::is_hydrogen(element) && element != gemmi::El::X)
+      return false;
+  }
+  return oxygens.size() <= 1;
+}
+
+constexpr double kMostAtoms = 4294967294;  // 2^32 - 2, the most spheres that a SphereSet holds
+
+using ElementSymbols = std::array<ShortText, static_cast<std::size_t>(gemmi::El::END)>;
+
+// The symbols of all elements.
+ElementSymbols element_symbols() {
+  ElementSymbols symbols;
+  for (std::size_t i = 0; i < symbols.size(); ++i)
+    symbols[i] = gemmi::element_name(static_cast<gemmi::El>(i));
+  return symbols;
+}
+
+// The model's name as a number; 0 if the name is no integer of 32 bits.
+std::int32_t model_number(const gemmi::Model& model) {
+  const std::int64_t number = whole_number(model.name).value_or(0);
+  return std::in_range<std::int32_t>(number) ? static_cast<std::int32_t>(number) : 0;
+}
+
+// One call of choose_atoms(). sites_ holds the atoms that no step has dropped.
+class Choice {
+ public:
+  Choice(ParsedFile& file, const ReadOptions& options)
+      : file_(file),
+        options_(options),
+        places_(numbered_residues(*file.structure)),
+        residue_numbers_(residue_numbers(file, places_)) {
+    molecule_.path = file.path;
+    molecule_.format = file.format;
+    molecule_.assembly = options.assembly;
+    molecule_.warnings = file.warnings;
+  }
+
+  UnexpandedMolecule run(const RadiusTable& table) {
+    choose_models();
+    drop_by_kind(table);
+    if (file_.has_labels || options_.altloc != "highest")
+      choose_alternate_locations(sites_, options_.altloc, molecule_);
+    select();
+    refuse_if_empty();
+    take_radii(table);
+    drop("zero_radius", [](const Site& site) { return site.atom->radius == 0; });
+    refuse_if_empty();
+    mark_measured();
+    mark_groups();
+    if (options_.assembly == "asymmetric")
+      take_asymmetric();
+    else
+      take_assembly();
+    refuse_if_none_measured();
+    count_guesses();
+    return {std::move(molecule_), std::move(copies_)};
+  }
+
+ private:
+  // Erases the sites for which the predicate is true, and counts them under `reason`. The predicate
+  // is called once for each site, in order.
+  template <class Predicate>
+  void drop(const char* reason, Predicate predicate) {
+    const std::size_t dropped = std::erase_if(sites_, predicate);
+    if (dropped != 0) molecule_.skipped[reason] += dropped;
+  }
+
+  // Whether the options ask for this model. Numbers compare as numbers, so "01" finds model 1.
+  bool is_chosen(std::size_t index) const {
+    if (options_.model == "all") return true;
+    if (options_.model == "first") return index == 0;
+    const std::string name = model_name(index);
+    const auto wanted = whole_number(options_.model);
+    return name == options_.model || (wanted && wanted == whole_number(name));
+  }
+
+  // Fills sites_ with the atoms of the chosen models, in the order of gemmi's hierarchy.
+  void choose_models() {
+    const std::vector<gemmi::Model>& models = file_.structure->models;
+    std::set<const gemmi::Model*> others;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (is_chosen(i))
+        molecule_.model = options_.model == "all" ? "all" : model_name(i);
+      else
+        others.insert(&models[i]);
+    }
+    if (others.size() == models.size())
+      throw InvalidInput(
+          fmt::format("{}: has no model {}; it has {}", file_.path, options_.model, model_names()));
+    sites_ = all_sites(file_, places_);
+    molecule_.atoms_read = sites_.size();
+    if (!others.empty())
+      drop("other_models", [&](const Site& site) { return others.contains(site.place->model); });
+  }
+
+  // The name of the model; its number in the file's order, from 1, if it has no name.
+  std::string model_name(std::size_t index) const {
+    const std::string& name = file_.structure->models[index].name;
+    return name.empty() ? std::to_string(index + 1) : name;
+  }
+
+  std::string model_names() const {
+    const std::size_t count = file_.structure->models.size();
+    if (count == 1) return model_name(0);
+    return fmt::format("{} models, {} to {}", count, model_name(0), model_name(count - 1));
+  }
+
+  // The atoms of a residue stand together, so one test for each residue is enough.
+  void drop_waters() {
+    auto end = sites_.begin();  // of those that stay
+    for (auto first = sites_.begin(); first != sites_.end();) {
+      const auto last = std::find_if(
+          first, sites_.end(), [first](const Site& site) { return site.place != first->place; });
+      if (is_water(*first->place->residue, {first, last})) {
+        molecule_.skipped["waters"] += static_cast<std::uint64_t>(last - first);
+        first = last;
+      } else {
+        end = end == first ? last : std::copy(first, last, end);  // dropped none so far, or some
+        first = last;
+      }
+    }
+    sites_.erase(end, sites_.end());
+  }
+
+  void drop_by_kind(const RadiusTable& table) {
+    if (options_.waters == Inclusion::drop) drop_waters();
+    drop_virtual_sites();
+    drop_hydrogens(table);
+    if (options_.hetero_atoms == Inclusion::drop)
+      drop("hetatm", [](const Site& site) { return site.atom->hetero; });
+  }
+
+  // Virtual sites are no atoms. A note names the first of them.
+  void drop_virtual_sites() {
+    if (!file_.elements_in_doubt) return;
+    const auto is_virtual = [](const Site& site) { return site.atom->is_virtual; };
+    const auto first = std::find_if(sites_.begin(), sites_.end(), is_virtual);
+    if (first == sites_.end()) return;
+    const std::string name(first->atom->name.view()), residue = first->place->residue->name;
+    drop("virtual_sites", is_virtual);
+    molecule_.notes.push_back(fmt::format(
+        "left out: {} virtual sites, lone pairs, dummies or alpha spheres, which are no atoms, the "
+        "first {} of {}; one with the symbol of an element counts as an atom",
+        molecule_.skipped["virtual_sites"], name, residue));
+  }
+
+  void select() {
+    if (options_.select.empty()) return;
+    const SiteSelection selection(options_.select, file_);
+    drop("not_selected", [&](const Site& site) { return !selection.contains(site); });
+  }
+
+  // Marks the sites that are to be measured. All are if nothing else was asked for.
+  void mark_measured() {
+    if (options_.measure.empty()) return;
+    const SiteSelection selection(options_.measure, file_);
+    for (const Site& site : sites_) site.atom->measured = selection.contains(site);
+  }
+
+  // A group without atoms is more likely a slip than meant.
+  void mark_groups() {
+    for (std::size_t g = 0; g < options_.groups.size(); ++g) {
+      const SiteSelection selection(options_.groups[g], file_);
+      bool is_empty = true;
+      for (const Site& site : sites_) {
+        if (!selection.contains(site)) continue;
+        site.atom->group = static_cast<std::int32_t>(g);
+        is_empty = false;
+      }
+      if (is_empty)
+        throw InvalidInput(fmt::format("{}: selection {} matches none of the {} atoms in use",
+                                       file_.path, in_quotes(options_.groups[g]), sites_.size()));
+    }
+  }
+
+  // An empty sum would be an area of 0, which is not what a mistyped selection should give.
+  void refuse_if_none_measured() const {
+    const auto is_measured = [](const Atom& atom) { return atom.measured; };
+    if (std::any_of(molecule_.atoms.begin(), molecule_.atoms.end(), is_measured)) return;
+    throw InvalidInput(
+        fmt::format("{}: selection {} of the atoms to measure matches none of the {} atoms in use",
+                    file_.path, in_quotes(options_.measure), count_atoms(molecule_, copies_)));
+  }
+
+  // Throws if no atom is left, and lists how many each step dropped.
+  void refuse_if_empty() const {
+    if (!sites_.empty()) return;
+    std::string reasons;
+    for (const auto& [reason, count] : molecule_.skipped)
+      reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);
+    const std::string hint = molecule_.skipped.contains("not_selected")
+                                 ? fmt::format(
+                                       ": {} selected none; A/10-40 are residues of chain A, "
+                                       "and (HEM) all residues of that name",
+                                       in_quotes(options_.select))
+                                 : "";
+    throw InvalidInput(
+        fmt::format("{}: none of its {} atoms is left to mesh (dropped: {}); change "
+                    "the options that dropped them{}",
+                    file_.path, molecule_.atoms_read, reasons, hint));
+  }
+
+  // The radii of united atoms include the hydrogens, which therefore go without being asked for.
+  void drop_hydrogens(const RadiusTable& table) {
+    const bool united = table.has_united_atoms() && !file_.own_radii;
+    if (options_.hydrogens == Inclusion::keep && !united) return;
+    drop("hydrogens", [](const Site& site) { return gemmi::is_hydrogen(site.atom->element); });
+    const auto dropped = molecule_.skipped.find("hydrogens");
+    if (options_.hydrogens == Inclusion::drop || dropped == molecule_.skipped.end()) return;
+    molecule_.notes.push_back(
+        fmt::format("{} hydrogens were left out: the radii of the set {} include them",
+                    dropped->second, radii_or_default(options_)));
+  }
+
+  // Gives the sites the radii of the file, or those of the table.
+  void take_radii(const RadiusTable& table) {
+    molecule_.radius_set = file_.own_radii ? "file" : radii_or_default(options_);
+    if (!file_.own_radii) assign_radii(sites_, file_, table, molecule_);
+  }
+
+  // Counts the atoms whose elements were derived from names, and adds a note for the user. Files
+  // with radii of their own get no note, because their radii do not depend on elements.
+  void count_guesses() {
+    if (!has_guesses_) return;
+    std::map<std::tuple<std::string, std::string, std::string>, std::uint64_t> unusual;
+    for (const Site& site : sites_) {
+      const gemmi::El element = site.atom->element;
+      if (!site.atom->element_guessed || element == gemmi::El::X) continue;
+      ++molecule_.elements_guessed;
+      const char* const symbol = gemmi::element_name(element);
+      if (!listed(kOrganicElements, std::string_view(symbol)))
+        ++unusual[{symbol, site.place->residue->name, site.atom->name.str()}];
+    }
+    for (const auto& [key, count] : unusual)
+      molecule_.unusual_elements_guessed.push_back(
+          {std::get<0>(key), std::get<1>(key), std::get<2>(key), count});
+    if (molecule_.elements_guessed != 0 && !file_.own_radii)
+      molecule_.notes.push_back(note_of_guesses());
+  }
+
+  std::string note_of_guesses() const {
+    constexpr std::size_t kMostNamed = 8;
+    const std::vector<GuessedElement>& unusual = molecule_.unusual_elements_guessed;
+    std::string named;
+    for (std::size_t i = 0; i < std::min(unusual.size(), kMostNamed); ++i)
+      named += fmt::format("{} {} (atom {} of {}, {}x)", i == 0 ? "" : ",", unusual[i].element,
+                           unusual[i].atom_name, unusual[i].residue_name, unusual[i].count);
+    if (unusual.size() > kMostNamed)
+      named += fmt::format(" and {} more", unusual.size() - kMostNamed);
+    return fmt::format(
+        "the file does not give the elements of {} atoms: they were told from the names of atoms "
+        "and residues; other than H, C, N, O, P and S:{}",
+        molecule_.elements_guessed, unusual.empty() ? " none" : named);
+  }
+
+  // Appends the atom of the site to the molecule.
+  void take(const Site& site) {
+    const AtomRecord& from = *site.atom;
+    if (site.place != place_) enter(*site.place);
+    has_guesses_ |= from.element_guessed;
+    molecule_.atoms.emplace_back(
+        from.position, from.radius, symbols_[static_cast<std::size_t>(from.element)], from.name,
+        residue_name_, chain_, residue_number_, from.serial, model_number_, from.hetero,
+        from.measured, from.group, from.polarity,
+        residue_numbers_.empty() ? from.residue : residue_numbers_[index_of(site)], segment_);
+  }
+
+  // Makes the texts that the atoms of a residue share.
+  void enter(const ResiduePlace& place) {
+    const gemmi::Residue& residue = *place.residue;
+    residue_name_ = residue.name;
+    segment_ = residue.segment;
+    residue_number_ = residue.seqid.num ? residue.seqid.str() : std::string();
+    if (!place_ || place.chain != place_->chain) chain_ = place.chain->name;
+    if (!place_ || place.model != place_->model) model_number_ = model_number(*place.model);
+    place_ = &place;
+  }
+
+  void take_asymmetric() {
+    // The atoms of a residue stand together, while the file may interleave residues. The records
+    // are in the order of the file.
+    const auto in_order = [](const Site& a, const Site& b) { return a.atom < b.atom; };
+    if (!std::is_sorted(sites_.begin(), sites_.end(), in_order))
+      std::stable_sort(sites_.begin(), sites_.end(), in_order);
+    take_all();
+  }
+
+  // Each site once.
+  void take_all() {
+    reserve_atoms(sites_.size(), molecule_);
+    for (const Site& site : sites_) take(site);
+    molecule_.atoms_used = sites_.size();
+  }
+
+  // Lists the copies of the assembly: model by model, in a model part by part of the recipe, in a
+  // part copy by copy. The sites of a model, [first, last), are consecutive: choose_models() put
+  // them in this order, and no step since then has sorted them.
+  void take_assembly() {
+    const AssemblyRecipe recipe = find_recipe();
+    molecule_.warnings.insert(molecule_.warnings.end(), recipe.warnings.begin(),
+                              recipe.warnings.end());
+    std::vector<bool> used(file_.atoms.size());  // by index of the atom in the file
+    const double atoms = count_copies(recipe, used);
+    drop("not_in_assembly", [&](const Site& site) { return !used[index_of(site)]; });
+    refuse_if_empty();
+    refuse_if_too_many(atoms);
+    take_all();
+    for (auto first = sites_.cbegin(); first != sites_.cend();) {
+      const auto last = std::find_if(first, sites_.cend(), [first](const Site& site) {
+        return site.place->model != first->place->model;
+      });
+      CopyChainNames names;  // each model begins with A1 again
+      for (const ChainCopies& part : recipe.parts) list_copies(part, first, last, names);
+      first = last;
+    }
+  }
+
+  // Throws if the file has no assembly of that name; the message lists the names.
+  AssemblyRecipe find_recipe() const {
+    const std::vector<std::string> names = assembly_names(file_.assemblies);
+    if (listed(names, options_.assembly))
+      return make_recipe(file_.assemblies, options_.assembly, file_.path);
+    constexpr std::size_t kMostNamed = 20;
+    std::string known;
+    for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) known += " " + names[i];
+    if (names.size() > kMostNamed) known += fmt::format(" and {} more", names.size() - kMostNamed);
+    throw InvalidInput(fmt::format("{}: has no assembly {}; there is asymmetric{}{}", file_.path,
+                                   options_.assembly, known.empty() ? " only" : " and", known));
+  }
+
+  // Whether the part of the recipe copies the chain of this site. The recipe names chains by author
+  // id or, from mmCIF, by label_asym_id, which gemmi keeps in Residue::subchain.
+  bool holds(const ChainCopies& part, const Site& site) const {
+    const bool by_author = file_.assemblies.chain_names == AssemblyTables::ChainNames::author;
+    return part.chains.count(by_author ? site.place->chain->name : site.place->residue->subchain) !=
+           0;
+  }
+
+  // Returns how many atoms the assembly has, and marks in `used` the atoms of the file that are in
+  // it. The result is a double because it may be huge. It is exact up to 2^53, far above
+  // kMostAtoms, so no assembly within the limits is miscounted.
+  double count_copies(const AssemblyRecipe& recipe, std::vector<bool>& used) const {
+    double total = 0;
+    for (const ChainCopies& part : recipe.parts) {
+      double held = 0;
+      for (const Site& site : sites_) {
+        if (!holds(part, site)) continue;
+        used[index_of(site)] = true;
+        ++held;
+      }
+      total += held * static_cast<double>(combination_count(part.products));
+    }
+    return total;
+  }
+
+  void refuse_if_too_many(double atoms) const {
+    const double bytes = atoms * static_cast<double>(sizeof(Atom));
+    const double allowed = static_cast<double>(options_.memory_limit);
+    if (bytes <= allowed && atoms <= kMostAtoms) return;
+    throw LimitExceeded(fmt::format(
+        "{}: assembly {} has {:.0f} atoms, which take {:.3g} GiB of memory; {:.3g} GiB and {:.0f} "
+        "atoms are allowed: choose a part of the atoms, or allow more memory",
+        file_.path, options_.assembly, atoms, bytes / 0x1p30, allowed / 0x1p30, kMostAtoms));
+  }
+
+  // The runs of sites in [first, last) that the part holds. The sites of a run follow each other
+  // and are of one chain.
+  std::vector<std::span<const Site>> runs_of(const ChainCopies& part, Sites::const_iterator first,
+                                             Sites::const_iterator last) const {
+    std::vector<std::span<const Site>> runs;
+    while (first != last) {
+      const auto begin = first;
+      const bool is_held = holds(part, *begin);
+      do {
+        ++first;
+      } while (first != last && first->place->chain == begin->place->chain &&
+               holds(part, *first) == is_held);
+      if (is_held) runs.emplace_back(begin, first);
+    }
+    return runs;
+  }
+
+  // Lists the copies of one part, for the sites [first, last) of one model. The atoms of the
+  // molecule have the indices of their sites.
+  void list_copies(const ChainCopies& part, Sites::const_iterator first, Sites::const_iterator last,
+                   CopyChainNames& names) {
+    const std::vector<std::span<const Site>> runs = runs_of(part, first, last);
+    // A part without atoms has no share in the number of atoms, so refuse_if_too_many() has not
+    // bounded its combinations. There may be more than 2^64 of them.
+    if (runs.empty()) return;
+    for (const OperatorProduct& product : part.products)
+      for_each_combination(product, [&](const OperatorCombination& combination) {
+        const AffineMap map = map_of(file_.assemblies, combination);
+        const std::string operators = name_of(file_.assemblies, combination);
+        for (const std::span<const Site> run : runs)
+          copies_.push_back({static_cast<std::uint64_t>(run.data() - sites_.data()), run.size(),
+                             map, names.of(*run.front().place->chain, combination), operators});
+      });
+  }
+
+  std::size_t index_of(const Site& site) const {
+    return static_cast<std::size_t>(site.atom - file_.atoms.data());
+  }
+
+  ParsedFile& file_;
+  const ReadOptions& options_;
+  const std::vector<ResiduePlace> places_;            // of the residues of all models
+  const std::vector<std::uint32_t> residue_numbers_;  // by atom; see residue_numbers()
+  Sites sites_;
+  Molecule molecule_;
+  std::vector<ChainCopy> copies_;
+  const ElementSymbols symbols_ = element_symbols();
+  const ResiduePlace* place_ = nullptr;  // of the atom appended last, as the texts below
+  bool has_guesses_ = false;  // some atom in the molecule has an element that was guessed
+  std::int32_t model_number_ = 0;
+  ShortText residue_name_, chain_, residue_number_, segment_;
+};
+
+}  // namespace
+
+UnexpandedMolecule choose_atoms(ParsedFile&& file, const ReadOptions& options,
+                                const RadiusTable& table) {
+  return Choice(file, options).run(table);
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,186 @@
+// Tables of residue names, and the rules that read them. gemmi's table of residues covers the names
+// of the PDB; the tables here add what force fields call the same residues.
+//
+// Sources of the names: toppar_water_ions.str of CHARMM, atomic_ions.lib and the leaprc files of
+// AMBER, ions.itp and residuetypes.dat of GROMACS, and for ligands the chemical components of the
+// PDB.
+#include "structure/molecule/residue_elements.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <gemmi/resinfo.hpp>
+#include <string>
+
+#include "core/letters.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using gemmi::El;
+using namespace std::string_view_literals;
+
+// An ion: its name and its element.
+struct Named {
+  std::string_view name;
+  El element;
+};
+
+// The ions of CHARMM. Residue and atom have the same name, which is not the symbol.
+constexpr std::array kCharmmIons{
+    Named{"SOD", El::Na}, Named{"POT", El::K},  Named{"CAL", El::Ca}, Named{"CES", El::Cs},
+    Named{"LIT", El::Li}, Named{"RUB", El::Rb}, Named{"BAR", El::Ba}, Named{"CLA", El::Cl},
+    Named{"IOD", El::I},  Named{"CAD", El::Cd},
+};
+// Ions of AMBER whose name is not the symbol, with digits and charge: sodium, sodium with its water
+// as one particle, calcium, and protons.
+constexpr std::array kAmberIons{
+    Named{"CIO", El::Na}, Named{"IB", El::Na}, Named{"C0", El::Ca},
+    Named{"HE+", El::H},  Named{"HZ+", El::H},
+};
+// Names of water in the PDB and in simulation programs, but for beads (W).
+constexpr std::array kWaters{
+    "HOH"sv,  "DOD"sv,  "WAT"sv, "H2O"sv, "TIP"sv,  "TIP2"sv, "TIP3"sv, "TIP4"sv,
+    "TIP5"sv, "TP3"sv,  "TP4"sv, "TP5"sv, "T3P"sv,  "T4P"sv,  "SOL"sv,  "SPC"sv,
+    "SPCE"sv, "TP3M"sv, "OH2"sv, "SWM"sv, "SWM4"sv, "OPC"sv,
+};
+// Ions in the PDB whose residue name is not the symbol. The atom name is the symbol ("I" in "IOD").
+constexpr std::array kOddlyNamedIons{
+    Named{"IOD", El::I},  Named{"YT", El::Y},   Named{"BS", El::Bi},
+    Named{"RHD", El::Rh}, Named{"ARS", El::As},
+};
+
+template <class List>
+El find_named(const List& list, std::string_view name) {
+  const auto found =
+      std::find_if(list.begin(), list.end(), [name](const Named& n) { return n.name == name; });
+  return found == list.end() ? El::X : found->element;
+}
+
+// The name without leading digits ("3CO") and without a charge at the end ("ZN2", "NA+", and
+// CHARMM's "AL3P", where P means plus).
+std::string_view base_name(std::string_view name) {
+  if (name.size() > 2 && name.back() == 'P' && is_digit(name[name.size() - 2]))
+    name.remove_suffix(1);
+  const std::size_t last = name.find_last_not_of("0123456789+-");
+  name = name.substr(0, last == std::string_view::npos ? 0 : last + 1);
+  return name.substr(std::min(name.find_first_not_of("0123456789"), name.size()));
+}
+
+// The element with this symbol. X past einsteinium, and for deuterium, which gemmi lists behind all
+// elements: no file holds ions of these elements, and their symbols occur as names of other things.
+El element_named(std::string_view symbol) {
+  if (symbol.empty() || symbol.size() > 2) return El::X;
+  if (symbol.size() == 1 && is_small_letter(symbol[0])) return El::X;
+  const El found = gemmi::find_element(std::string(symbol).c_str());
+  return found > El::Es ? El::X : found;
+}
+
+template <class List, class Value>
+bool holds(const List& list, const Value& value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
+
+// Amino acids in force fields: protonation states of His, Cys, Asp, Glu, Lys and Arg; and some
+// modified amino acids.
+constexpr std::array kAminoAcids{
+    "HID"sv,  "HIE"sv,  "HIP"sv,  "HSD"sv,  "HSE"sv,  "HSP"sv, "HISA"sv, "HISB"sv, "HISD"sv,
+    "HISE"sv, "HISH"sv, "HIS1"sv, "HIS2"sv, "CYX"sv,  "CYM"sv, "CYS2"sv, "CYSH"sv, "ASH"sv,
+    "ASPH"sv, "ASPP"sv, "GLH"sv,  "GLUH"sv, "GLUP"sv, "LYN"sv, "LYP"sv,  "LYSH"sv, "LSN"sv,
+    "ARGN"sv, "HYP"sv,  "NLE"sv,  "ORN"sv,  "SEP"sv,  "TPO"sv, "PTR"sv,
+};
+// Nucleotides in force fields.
+constexpr std::array kNucleotides{"ADE"sv, "GUA"sv, "CYT"sv, "THY"sv, "URA"sv,
+                                  "RA"sv,  "RC"sv,  "RG"sv,  "RU"sv};
+// Groups that cap the ends of a chain, such as acetyl and N-methyl amide.
+constexpr std::array kEndGroups{"ACE"sv, "NME"sv, "NHE"sv, "NH2"sv, "NMA"sv, "CT3"sv};
+
+bool is_amino_acid_of_the_pdb(std::string_view residue) {
+  const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(std::string(residue));
+  return info.is_amino_acid() && (info.is_standard() || residue == "MSE");
+}
+
+bool is_nucleotide_of_the_pdb(std::string_view residue) {
+  const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(std::string(residue));
+  return info.is_nucleic_acid() && info.is_standard();
+}
+
+// AMBER and GROMACS append a letter to a nucleotide at the end of a chain: 5, 3, or N for a single
+// nucleotide ("DA5", "RU3", "GN"). The residue "IN" is indium, not a single inosine.
+bool is_nucleotide(std::string_view residue) {
+  if (is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue)) return true;
+  if (residue.size() < 2 || "53N"sv.find(residue.back()) == std::string_view::npos) return false;
+  residue.remove_suffix(1);
+  if (residue == "I") return false;
+  return is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue);
+}
+
+// Ligands of the PDB in which atom names are ambiguous. The symbol of the metal could be read as a
+// light element with a letter behind it (CO, CA, NI, CU), or the name of a light atom as a metal
+// (NA in a porphyrin).
+struct Ligands {
+  std::array<El, 2> metals;   // the second is X if there is only one
+  std::string_view residues;  // names, each between blanks, so that searching finds whole names
+};
+// "CLA" is chlorophyll here and chloride in CHARMM; element_of_ion() is asked first and needs an
+// atom of the same name.
+constexpr std::array kLigands{
+    Ligands{{El::Fe, El::X},
+            " HEM HEC HEA HEB HAS HDD HDM HEO HES HEV DHE SRM HEME HEMO "},  // haems
+    Ligands{{El::Fe, El::X}, " FES SF4 F3S FS4 CLF FEO "},  // clusters of iron and sulphur
+    Ligands{{El::Fe, El::Mo}, " CFM CFN ICS "},             // of nitrogenase
+    Ligands{{El::Fe, El::Ni}, " FCO NFU F43 "},             // of hydrogenases; factor F430
+    Ligands{{El::Mg, El::X}, " CLA CHL BCL BCB "},          // chlorophylls
+    Ligands{{El::Co, El::X}, " B12 CNC COB COY CBY NCO "},  // cobalamins, cobalt hexammine
+    Ligands{{El::Cu, El::X}, " CUA CUB CUZ "},
+    Ligands{{El::Ca, El::Mn}, " OEX OEY OEC "},  // of photosystem II
+};
+
+const Ligands* find_ligand(std::string_view residue) {
+  std::string between_blanks(" ");
+  between_blanks.append(residue).append(" ");
+  const auto found = std::find_if(kLigands.begin(), kLigands.end(), [&](const Ligands& listed) {
+    return listed.residues.find(between_blanks) != std::string_view::npos;
+  });
+  return found == kLigands.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+El element_of_ion(std::string_view name, std::string_view residue) {
+  if (name == residue && find_named(kAmberIons, name) != El::X) return find_named(kAmberIons, name);
+  const std::string_view atom = base_name(name), ion = base_name(residue);
+  if (atom.empty() || ion.empty()) return El::X;
+  const El odd = find_named(kOddlyNamedIons, ion);
+  // `odd` is the element if the PDB has the residue; its atom is named by the symbol. "IOD" is in
+  // both tables of ions: with an atom "I" in the PDB, with an atom "IOD" in CHARMM.
+  if (odd != El::X && element_named(atom) == odd) return odd;
+  if (residue == "ION" && name != "ION") return element_of_ion(name, name);
+  if (atom != ion) return El::X;
+  const El charmm = find_named(kCharmmIons, ion);
+  return charmm != El::X ? charmm : element_named(ion);
+}
+
+bool is_amino_acid(std::string_view residue) {
+  if (is_amino_acid_of_the_pdb(residue) || holds(kAminoAcids, residue)) return true;
+  // AMBER marks residues at the ends of a chain with N or C in front: "NALA", "CHIE".
+  const bool end = residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C');
+  return end &&
+         (is_amino_acid_of_the_pdb(residue.substr(1)) || holds(kAminoAcids, residue.substr(1)));
+}
+
+bool is_standard_residue(std::string_view residue) {
+  return is_amino_acid(residue) || is_nucleotide(residue) || holds(kEndGroups, residue);
+}
+
+bool is_named_as_water(std::string_view residue) { return holds(kWaters, residue); }
+
+El metal_of_ligand(std::string_view name, std::string_view residue) {
+  const Ligands* ligand = find_ligand(residue);
+  const El element = ligand ? element_named(base_name(name)) : El::X;
+  return element != El::X && holds(ligand->metals, element) ? element : El::X;
+}
+
+bool is_ligand_with_metals(std::string_view residue) { return find_ligand(residue) != nullptr; }
+
+}  // namespace vdwmesh
