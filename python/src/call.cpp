@@ -56,12 +56,12 @@ class ArenaOfCall {
   }
 
  private:
-  struct Kept {
+  struct KeptHandler {
     std::mutex mutex;
     std::map<int, std::vector<std::unique_ptr<tbb::task_arena>>> arenas;  // by number of threads
   };
-  static Kept& kept() {
-    static Kept* const all = new Kept;
+  static KeptHandler& kept() {
+    static KeptHandler* const all = new KeptHandler;
     return *all;
   }
 

@@ -30,8 +30,8 @@ const std::map<std::string, UnionMethod, std::less<>> kMethods{{"auto", UnionMet
                                                                {"both", UnionMethod::both}};
 
 // What the functions of Python ask for, beside coordinates and radii.
-struct Request {
-  explicit Request(const py::kwargs& given)
+struct MeasureCall {
+  explicit MeasureCall(const py::kwargs& given)
       : unit(given["unit"].cast<double>()),
         probe(given["probe"].cast<double>()),
         topology(topology_of(given["topology"].cast<std::string>())),
@@ -58,14 +58,14 @@ struct Request {
 };
 
 // Whether a device can measure what is asked for.
-bool suits_device(const Request& request) {
+bool suits_device(const MeasureCall& request) {
   const bool arcs = method_for(request.method, request.topology) == UnionMethod::arcs;
   return arcs && request.topology == TopologyRequest::none;
 }
 
 // The device's measurer, or null where the CPU is to measure. Throws BackendUnavailable if a device
 // is asked for what it cannot do.
-std::unique_ptr<UnionMeasurer> measurer_for(const Request& request) {
+std::unique_ptr<UnionMeasurer> measurer_for(const MeasureCall& request) {
   if (request.backend == Backend::cuda) {
     if (suits_device(request)) return make_union_measurer(Backend::cuda);
     throw BackendUnavailable(
@@ -78,7 +78,8 @@ std::unique_ptr<UnionMeasurer> measurer_for(const Request& request) {
   return make_union_measurer(Backend::automatic);
 }
 
-FrameOptions options_of(const Request& request, const UnionMeasurer* measurer, Monitor& monitor) {
+FrameOptions options_of(const MeasureCall& request, const UnionMeasurer* measurer,
+                        Monitor& monitor) {
   FrameOptions options;
   options.measures.method = request.method;
   options.measures.monitor = &monitor;
@@ -107,7 +108,7 @@ FrameCoordinates coordinates_of(const Numbers& frames, double unit) {
 
 // Sums of the atoms' areas by group; NaN for a group of which no atom was measured.
 std::vector<double> areas_by_group(const std::vector<SphereMeasures>& atoms,
-                                   const Request& request) {
+                                   const MeasureCall& request) {
   std::vector<WideSum> wide(request.groups);
   std::vector<bool> is_measured(request.groups);
   for (std::size_t i = 0; i < atoms.size(); ++i) {
@@ -131,14 +132,14 @@ struct Found {
 };
 
 // Sums by group, and drops what is not wanted.
-void finish(Found& found, const Request& request) {
+void finish(Found& found, const MeasureCall& request) {
   for (ExactUnion& frame : found.frames) {
     if (request.groups > 0) found.groups.push_back(areas_by_group(frame.per_sphere, request));
     if (!request.per_atom) frame.per_sphere = {};
   }
 }
 
-Found measure_all(const Numbers& coords, const Numbers& sizes, const Request& request,
+Found measure_all(const Numbers& coords, const Numbers& sizes, const MeasureCall& request,
                   Monitor& monitor) {
   const std::unique_ptr<UnionMeasurer> measurer = measurer_for(request);
   const std::vector<double> radii = grown_radii(sizes, coords.size(1), request.probe);
@@ -153,7 +154,7 @@ Found measure_all(const Numbers& coords, const Numbers& sizes, const Request& re
   return found;
 }
 
-Found measure_there(const DeviceFrames& balls, const Request& request, Monitor& monitor) {
+Found measure_there(const DeviceFrames& balls, const MeasureCall& request, Monitor& monitor) {
   Found found;
   CudaMeasures there =
       measure_on_device(found.frames, balls, options_of(request, nullptr, monitor));
@@ -221,7 +222,7 @@ py::tuple lists_of(Found&& found, TopologyRequest topology) {
 // be measured; the areas by group; and None, or (frame, atom or None, reason).
 py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::kwargs& given) {
   const Numbers frames(coords, "coords", 3), sizes(radii, "radii", 1);
-  const Request request(given);
+  const MeasureCall request(given);
   Found found = call(request.threads, [&](Monitor& monitor) {
     return measure_all(frames, sizes, request, monitor);
   });
@@ -250,7 +251,7 @@ py::object columns_there(const Found& found, std::size_t atoms) {
 // The same for coordinates in device memory; and the areas and volumes of the atoms there, or None.
 py::tuple measure_frames_there(const py::tuple& coords, const py::object& radii,
                                const py::kwargs& given) {
-  const Request request(given);
+  const MeasureCall request(given);
   if (!suits_device(request)) {
     throw BackendUnavailable(
         "coords: are on a CUDA device, which measures areas and volumes by arcs; for topology and "

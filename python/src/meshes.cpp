@@ -25,7 +25,7 @@ namespace vdwmesh::python {
 namespace {
 
 // What vdwmesh.mesh is asked for.
-struct Request {
+struct MeshCall {
   bool excluded = false;  // the solvent-excluded surface, or that of the balls
   bool exact = true;      // the crease-exact mesher, or marching cubes
   FieldKind field = FieldKind::vdw;
@@ -67,8 +67,8 @@ Crossings crossings_of(const std::string& name) {
 }
 
 // The names are those of vdwmesh.mesh.
-Request request_of(const py::kwargs& given) {
-  Request request;
+MeshCall request_of(const py::kwargs& given) {
+  MeshCall request;
   request.excluded = is_excluded(given["surface"].cast<std::string>());
   request.exact = is_exact(given["mesher"].cast<std::string>());
   request.field = field_of(given["field"].cast<std::string>());
@@ -109,7 +109,7 @@ Request request_of(const py::kwargs& given) {
   return request;
 }
 
-RefineOptions refinement(const Request& request, Monitor& monitor) {
+RefineOptions refinement(const MeshCall& request, Monitor& monitor) {
   RefineOptions refine;
   refine.subdivisions = request.subdivisions;
   refine.crossings = request.crossings;
@@ -122,7 +122,7 @@ RefineOptions refinement(const Request& request, Monitor& monitor) {
 }
 
 // It looks at the edge lengths of the request.
-ExactMeshOptions exact_options(const Request& request, Monitor& monitor) {
+ExactMeshOptions exact_options(const MeshCall& request, Monitor& monitor) {
   return {.edge_length = request.edge_length,
           .edge_lengths = request.edge_lengths,
           .min_angle = request.min_angle,
@@ -131,7 +131,7 @@ ExactMeshOptions exact_options(const Request& request, Monitor& monitor) {
 }
 
 // The crease-exact mesher and the refiner, each on the device asked for.
-IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monitor& monitor) {
+IndexedMesh mesh_exactly(const SphereSet& spheres, const MeshCall& request, Monitor& monitor) {
   const RefineOptions refine = refinement(request, monitor);
   const auto mesher = make_exact_mesher(request.backend);
   IndexedMesh mesh = std::move(mesher->mesh(spheres, exact_options(request, monitor)).mesh);
@@ -161,7 +161,7 @@ GridSpec at_multiples(GridSpec grid) {
 }
 
 // Of marching cubes, on a grid around the boxes of the balls and of their centres.
-ExtractOptions extraction(const Request& request, const Box& balls, const Box& centers,
+ExtractOptions extraction(const MeshCall& request, const Box& balls, const Box& centers,
                           Monitor& monitor) {
   ExtractOptions extract;
   extract.field.kind = request.field;
@@ -174,7 +174,7 @@ ExtractOptions extraction(const Request& request, const Box& balls, const Box& c
 }
 
 // Sets `grid` to the one on which the mesh is made.
-IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& monitor,
+IndexedMesh march(const SphereSet& spheres, const MeshCall& request, Monitor& monitor,
                   std::optional<GridSpec>& grid) {
   ExtractOptions extract =
       extraction(request, bounding_box(spheres), center_bounding_box(spheres), monitor);
@@ -188,7 +188,7 @@ IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& mon
 }
 
 // Meshes of many sets by marching cubes, all in one call of the library.
-std::vector<MeshHandle> march_many(const SphereBatch& sets, const Request& request,
+std::vector<MeshHandle> march_many(const SphereBatch& sets, const MeshCall& request,
                                    Monitor& monitor) {
   check_sets(sets);
   ExtractOptions extract;
@@ -212,7 +212,7 @@ std::vector<MeshHandle> march_many(const SphereBatch& sets, const Request& reque
 }
 
 // The mesh takes memory of the device alone, so the host's sets no limit.
-CudaMesh march_on_device(const DeviceFrames& balls, const Request& request, Monitor& monitor) {
+CudaMesh march_on_device(const DeviceFrames& balls, const MeshCall& request, Monitor& monitor) {
   RefineOptions refine = refinement(request, monitor);
   refine.memory_limit = kNoMemoryLimit;
   CudaMesh mesh =
@@ -222,7 +222,7 @@ CudaMesh march_on_device(const DeviceFrames& balls, const Request& request, Moni
 }
 
 // The atoms do not grow: the probe rolls over them.
-PatchedMesh mesh_excluded_surface(const SphereSet& atoms, double probe, const Request& request,
+PatchedMesh mesh_excluded_surface(const SphereSet& atoms, double probe, const MeshCall& request,
                                   Monitor& monitor) {
   const std::uint64_t limit = apps::default_memory_limit();
   PatchedMesh mesh = mesh_excluded(atoms, {.probe = probe,
@@ -243,7 +243,7 @@ PatchedMesh mesh_excluded_surface(const SphereSet& atoms, double probe, const Re
 MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
                 std::optional<int> threads, const py::kwargs& given) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
-  const Request request = request_of(given);
+  const MeshCall request = request_of(given);
   if (request.excluded) {
     return handle_of(call(threads, [&](Monitor& monitor) {
       return mesh_excluded_surface(spheres_of(centers, sizes, 0), probe, request, monitor);
@@ -264,7 +264,7 @@ std::vector<MeshHandle> mesh_many(const py::buffer& coords, const py::buffer& ra
                                   const std::vector<std::size_t>& offsets, double probe,
                                   std::optional<int> threads, const py::kwargs& given) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
-  const Request request = request_of(given);
+  const MeshCall request = request_of(given);
   return call(threads, [&](Monitor& monitor) {
     const SphereSet spheres = spheres_of(centers, sizes, probe);
     const std::span<const Sphere> all = spheres.spheres();
@@ -283,7 +283,7 @@ void require_valid(const DeviceFrames& balls) {
 // The same for coordinates (1, N, 3) in device memory, where the mesh stays.
 CudaMeshHandle mesh_there(const py::tuple& coords, const py::object& radii, double probe,
                           std::optional<int> threads, const py::kwargs& given) {
-  const Request request = request_of(given);
+  const MeshCall request = request_of(given);
   const DeviceFrames balls = frames_of(coords, radii, 1, probe);
   require_valid(balls);
   CudaMesh mesh = call(threads, [&](Monitor& monitor) {

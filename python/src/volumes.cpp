@@ -27,7 +27,7 @@ namespace {
 using Triple = std::array<double, 3>;
 
 // The place of the volume's nodes: node (i, j, k) lies at origin + spacing * (i, j, k).
-struct Frame {
+struct GridFrame {
   Triple spacing, origin;
 };
 
@@ -80,7 +80,7 @@ Vec3f turned(const Vec3f& n, const Triple& spacing) {
   return length > 0 ? cast<float>((1 / length) * g) : Vec3f{0, 0, 0};
 }
 
-void place(IndexedMesh& mesh, const Frame& frame, Monitor& monitor) {
+void place(IndexedMesh& mesh, const GridFrame& frame, Monitor& monitor) {
   const auto& [s, o] = frame;
   for_each_element(mesh.vertex_count(), monitor, [&](std::size_t v) {
     const Vec3d p = mesh.positions[v];

@@ -23,14 +23,14 @@ namespace vdwmesh {
 namespace {
 
 // An open file, which a process has for as long as the object lives. Negative: there is none.
-class Descriptor {
+class MemoryDescriptor {
  public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
+  explicit MemoryDescriptor(int number) : number_(number) {}
+  ~MemoryDescriptor() {
     if (number_ >= 0) ::close(number_);
   }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  MemoryDescriptor(const MemoryDescriptor&) = delete;
+  MemoryDescriptor& operator=(const MemoryDescriptor&) = delete;
   int number() const { return number_; }
 
  private:
@@ -77,7 +77,7 @@ FileName share_name(const Ranks& ranks, int descriptor) {
 void* map_named(const FileName& file, std::size_t size) {
   if (file.number < 0) return nullptr;
   const std::string name = fmt::format("/proc/{}/fd/{}", file.process, file.number);
-  const Descriptor opened(::open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+  const MemoryDescriptor opened(::open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (identity_of(opened.number()) != std::pair(file.device, file.node)) return nullptr;
   return map(opened.number(), size);
 }
@@ -87,7 +87,7 @@ void* map_named(const FileName& file, std::size_t size) {
 // Returns the bytes, which the caller fills. Collective.
 std::span<std::byte> HostMemory::make_room(const Ranks& ranks, std::uint64_t size) {
   const bool leads = ranks.leads_host();
-  const Descriptor made(leads ? make_file(size) : -1);
+  const MemoryDescriptor made(leads ? make_file(size) : -1);
   if (leads) mapping_ = map(made.number(), size);
   const FileName name = share_name(ranks, made.number());
   if (!leads) mapping_ = map_named(name, size);

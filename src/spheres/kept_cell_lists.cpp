@@ -9,8 +9,8 @@
 
 namespace vdwmesh {
 
-bool KeptCellLists::Entry::holds(const SphereSet& spheres, std::span<const double> wanted,
-                                 const CellListFrame* wanted_frame) const {
+bool KeptCellLists::KeptList::holds(const SphereSet& spheres, std::span<const double> wanted,
+                                    const CellListFrame* wanted_frame) const {
   if (revision == 0 || revision != spheres.revision()) return false;
   if (is_framed != (wanted_frame != nullptr)) return false;
   if (is_framed && !(frame == *wanted_frame)) return false;
@@ -26,7 +26,7 @@ const CellListView& KeptCellLists::get(const SphereSet& spheres, std::span<const
   }
   // Neither entry has the list: replace the one that was not requested last.
   last_ = 1 - last_;
-  Entry& entry = entries_[last_];
+  KeptList& entry = entries_[last_];
   entry.revision = 0;  // building may throw, and then the entry must not count as a list
   if (frame != nullptr) {
     entry.list.rebuild(spheres, reach, *frame);

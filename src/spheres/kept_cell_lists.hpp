@@ -22,7 +22,7 @@ class KeptCellLists {
                           const CellListFrame* frame);
 
  private:
-  struct Entry {
+  struct KeptList {
     CellList list;
     // What the list was built from: the SphereSet's revision (0: there is no list yet), the
     // reaches, and the given frame, if is_framed.
@@ -34,7 +34,7 @@ class KeptCellLists {
     bool holds(const SphereSet& spheres, std::span<const double> wanted,
                const CellListFrame* wanted_frame) const;
   };
-  std::array<Entry, 2> entries_;
+  std::array<KeptList, 2> entries_;
   std::size_t last_ = 0;  // index of the entry that was requested last
 };
 

@@ -29,7 +29,7 @@ constexpr double kLargestRadius = 1000;
 
 constexpr const char *kBondiName = "bondi", *kAlvarezName = "alvarez";
 
-struct Listed {
+struct ListedRadius {
   const char* element;
   double radius;  // Å
 };
@@ -37,45 +37,55 @@ struct Listed {
 // Tables I and XIV of Bondi's paper of 1964. His paper of 1966 revises Cd, Hg and Zn; these
 // revisions are not adopted.
 constexpr std::array kBondi{
-    Listed{"H", 1.20},  Listed{"He", 1.40}, Listed{"Li", 1.82}, Listed{"C", 1.70},
-    Listed{"N", 1.55},  Listed{"O", 1.52},  Listed{"F", 1.47},  Listed{"Ne", 1.54},
-    Listed{"Na", 2.27}, Listed{"Mg", 1.73}, Listed{"Si", 2.10}, Listed{"P", 1.80},
-    Listed{"S", 1.80},  Listed{"Cl", 1.75}, Listed{"Ar", 1.88}, Listed{"K", 2.75},
-    Listed{"Ni", 1.63}, Listed{"Cu", 1.40}, Listed{"Zn", 1.39}, Listed{"Ga", 1.87},
-    Listed{"As", 1.85}, Listed{"Se", 1.90}, Listed{"Br", 1.85}, Listed{"Kr", 2.02},
-    Listed{"Pd", 1.63}, Listed{"Ag", 1.72}, Listed{"Cd", 1.58}, Listed{"In", 1.93},
-    Listed{"Sn", 2.17}, Listed{"Te", 2.06}, Listed{"I", 1.98},  Listed{"Xe", 2.16},
-    Listed{"Pt", 1.72}, Listed{"Au", 1.66}, Listed{"Hg", 1.55}, Listed{"Tl", 1.96},
-    Listed{"Pb", 2.02}, Listed{"U", 1.86},
+    ListedRadius{"H", 1.20},  ListedRadius{"He", 1.40}, ListedRadius{"Li", 1.82},
+    ListedRadius{"C", 1.70},  ListedRadius{"N", 1.55},  ListedRadius{"O", 1.52},
+    ListedRadius{"F", 1.47},  ListedRadius{"Ne", 1.54}, ListedRadius{"Na", 2.27},
+    ListedRadius{"Mg", 1.73}, ListedRadius{"Si", 2.10}, ListedRadius{"P", 1.80},
+    ListedRadius{"S", 1.80},  ListedRadius{"Cl", 1.75}, ListedRadius{"Ar", 1.88},
+    ListedRadius{"K", 2.75},  ListedRadius{"Ni", 1.63}, ListedRadius{"Cu", 1.40},
+    ListedRadius{"Zn", 1.39}, ListedRadius{"Ga", 1.87}, ListedRadius{"As", 1.85},
+    ListedRadius{"Se", 1.90}, ListedRadius{"Br", 1.85}, ListedRadius{"Kr", 2.02},
+    ListedRadius{"Pd", 1.63}, ListedRadius{"Ag", 1.72}, ListedRadius{"Cd", 1.58},
+    ListedRadius{"In", 1.93}, ListedRadius{"Sn", 2.17}, ListedRadius{"Te", 2.06},
+    ListedRadius{"I", 1.98},  ListedRadius{"Xe", 2.16}, ListedRadius{"Pt", 1.72},
+    ListedRadius{"Au", 1.66}, ListedRadius{"Hg", 1.55}, ListedRadius{"Tl", 1.96},
+    ListedRadius{"Pb", 2.02}, ListedRadius{"U", 1.86},
 };
 
 // Table 1 of Alvarez's paper, 93 elements. It lacks Pm, Po, At, Rn, Fr, Ra and all elements after
 // Es.
 constexpr std::array kAlvarez{
-    Listed{"H", 1.20},  Listed{"He", 1.43}, Listed{"Li", 2.12}, Listed{"Be", 1.98},
-    Listed{"B", 1.91},  Listed{"C", 1.77},  Listed{"N", 1.66},  Listed{"O", 1.50},
-    Listed{"F", 1.46},  Listed{"Ne", 1.58}, Listed{"Na", 2.50}, Listed{"Mg", 2.51},
-    Listed{"Al", 2.25}, Listed{"Si", 2.19}, Listed{"P", 1.90},  Listed{"S", 1.89},
-    Listed{"Cl", 1.82}, Listed{"Ar", 1.83}, Listed{"K", 2.73},  Listed{"Ca", 2.62},
-    Listed{"Sc", 2.58}, Listed{"Ti", 2.46}, Listed{"V", 2.42},  Listed{"Cr", 2.45},
-    Listed{"Mn", 2.45}, Listed{"Fe", 2.44}, Listed{"Co", 2.40}, Listed{"Ni", 2.40},
-    Listed{"Cu", 2.38}, Listed{"Zn", 2.39}, Listed{"Ga", 2.32}, Listed{"Ge", 2.29},
-    Listed{"As", 1.88}, Listed{"Se", 1.82}, Listed{"Br", 1.86}, Listed{"Kr", 2.25},
-    Listed{"Rb", 3.21}, Listed{"Sr", 2.84}, Listed{"Y", 2.75},  Listed{"Zr", 2.52},
-    Listed{"Nb", 2.56}, Listed{"Mo", 2.45}, Listed{"Tc", 2.44}, Listed{"Ru", 2.46},
-    Listed{"Rh", 2.44}, Listed{"Pd", 2.15}, Listed{"Ag", 2.53}, Listed{"Cd", 2.49},
-    Listed{"In", 2.43}, Listed{"Sn", 2.42}, Listed{"Sb", 2.47}, Listed{"Te", 1.99},
-    Listed{"I", 2.04},  Listed{"Xe", 2.06}, Listed{"Cs", 3.48}, Listed{"Ba", 3.03},
-    Listed{"La", 2.98}, Listed{"Ce", 2.88}, Listed{"Pr", 2.92}, Listed{"Nd", 2.95},
-    Listed{"Sm", 2.90}, Listed{"Eu", 2.87}, Listed{"Gd", 2.83}, Listed{"Tb", 2.79},
-    Listed{"Dy", 2.87}, Listed{"Ho", 2.81}, Listed{"Er", 2.83}, Listed{"Tm", 2.79},
-    Listed{"Yb", 2.80}, Listed{"Lu", 2.74}, Listed{"Hf", 2.63}, Listed{"Ta", 2.53},
-    Listed{"W", 2.57},  Listed{"Re", 2.49}, Listed{"Os", 2.48}, Listed{"Ir", 2.41},
-    Listed{"Pt", 2.29}, Listed{"Au", 2.32}, Listed{"Hg", 2.45}, Listed{"Tl", 2.47},
-    Listed{"Pb", 2.60}, Listed{"Bi", 2.54}, Listed{"Ac", 2.80}, Listed{"Th", 2.93},
-    Listed{"Pa", 2.88}, Listed{"U", 2.71},  Listed{"Np", 2.82}, Listed{"Pu", 2.81},
-    Listed{"Am", 2.83}, Listed{"Cm", 3.05}, Listed{"Bk", 3.40}, Listed{"Cf", 3.05},
-    Listed{"Es", 2.70},
+    ListedRadius{"H", 1.20},  ListedRadius{"He", 1.43}, ListedRadius{"Li", 2.12},
+    ListedRadius{"Be", 1.98}, ListedRadius{"B", 1.91},  ListedRadius{"C", 1.77},
+    ListedRadius{"N", 1.66},  ListedRadius{"O", 1.50},  ListedRadius{"F", 1.46},
+    ListedRadius{"Ne", 1.58}, ListedRadius{"Na", 2.50}, ListedRadius{"Mg", 2.51},
+    ListedRadius{"Al", 2.25}, ListedRadius{"Si", 2.19}, ListedRadius{"P", 1.90},
+    ListedRadius{"S", 1.89},  ListedRadius{"Cl", 1.82}, ListedRadius{"Ar", 1.83},
+    ListedRadius{"K", 2.73},  ListedRadius{"Ca", 2.62}, ListedRadius{"Sc", 2.58},
+    ListedRadius{"Ti", 2.46}, ListedRadius{"V", 2.42},  ListedRadius{"Cr", 2.45},
+    ListedRadius{"Mn", 2.45}, ListedRadius{"Fe", 2.44}, ListedRadius{"Co", 2.40},
+    ListedRadius{"Ni", 2.40}, ListedRadius{"Cu", 2.38}, ListedRadius{"Zn", 2.39},
+    ListedRadius{"Ga", 2.32}, ListedRadius{"Ge", 2.29}, ListedRadius{"As", 1.88},
+    ListedRadius{"Se", 1.82}, ListedRadius{"Br", 1.86}, ListedRadius{"Kr", 2.25},
+    ListedRadius{"Rb", 3.21}, ListedRadius{"Sr", 2.84}, ListedRadius{"Y", 2.75},
+    ListedRadius{"Zr", 2.52}, ListedRadius{"Nb", 2.56}, ListedRadius{"Mo", 2.45},
+    ListedRadius{"Tc", 2.44}, ListedRadius{"Ru", 2.46}, ListedRadius{"Rh", 2.44},
+    ListedRadius{"Pd", 2.15}, ListedRadius{"Ag", 2.53}, ListedRadius{"Cd", 2.49},
+    ListedRadius{"In", 2.43}, ListedRadius{"Sn", 2.42}, ListedRadius{"Sb", 2.47},
+    ListedRadius{"Te", 1.99}, ListedRadius{"I", 2.04},  ListedRadius{"Xe", 2.06},
+    ListedRadius{"Cs", 3.48}, ListedRadius{"Ba", 3.03}, ListedRadius{"La", 2.98},
+    ListedRadius{"Ce", 2.88}, ListedRadius{"Pr", 2.92}, ListedRadius{"Nd", 2.95},
+    ListedRadius{"Sm", 2.90}, ListedRadius{"Eu", 2.87}, ListedRadius{"Gd", 2.83},
+    ListedRadius{"Tb", 2.79}, ListedRadius{"Dy", 2.87}, ListedRadius{"Ho", 2.81},
+    ListedRadius{"Er", 2.83}, ListedRadius{"Tm", 2.79}, ListedRadius{"Yb", 2.80},
+    ListedRadius{"Lu", 2.74}, ListedRadius{"Hf", 2.63}, ListedRadius{"Ta", 2.53},
+    ListedRadius{"W", 2.57},  ListedRadius{"Re", 2.49}, ListedRadius{"Os", 2.48},
+    ListedRadius{"Ir", 2.41}, ListedRadius{"Pt", 2.29}, ListedRadius{"Au", 2.32},
+    ListedRadius{"Hg", 2.45}, ListedRadius{"Tl", 2.47}, ListedRadius{"Pb", 2.60},
+    ListedRadius{"Bi", 2.54}, ListedRadius{"Ac", 2.80}, ListedRadius{"Th", 2.93},
+    ListedRadius{"Pa", 2.88}, ListedRadius{"U", 2.71},  ListedRadius{"Np", 2.82},
+    ListedRadius{"Pu", 2.81}, ListedRadius{"Am", 2.83}, ListedRadius{"Cm", 3.05},
+    ListedRadius{"Bk", 3.40}, ListedRadius{"Cf", 3.05}, ListedRadius{"Es", 2.70},
 };
 
 [[noreturn]] void refuse(const std::filesystem::path& path, int line, const std::string& what) {
@@ -127,8 +137,8 @@ const std::vector<std::string>& RadiusTable::names() {
 RadiusTable RadiusTable::named(std::string_view name) {
   RadiusTable table;
   // Elements that the table has already keep their radii.
-  const auto add = [&table](std::span<const Listed> elements, bool assumed) {
-    for (const Listed& entry : elements)
+  const auto add = [&table](std::span<const ListedRadius> elements, bool assumed) {
+    for (const ListedRadius& entry : elements)
       table.by_element_.try_emplace(entry.element, Entry{entry.radius, assumed});
   };
   if (name != kAlvarezName) add(kBondi, name != kBondiName);

@@ -2,9 +2,9 @@
 #include <cstdio>
 #include <vdwmesh/analysis/distances.hpp>
 #include <vdwmesh/analysis/mesh_measures.hpp>
-#include <vdwmesh/arrangement/exact_mesher.hpp>
-#include <vdwmesh/arrangement/exact_union.hpp>
+#include <vdwmesh/creases/exact_mesher.hpp>
 #include <vdwmesh/cuda/backend.hpp>
+#include <vdwmesh/measures/exact_union.hpp>
 #include <vdwmesh/mesh/mesh_io.hpp>
 #include <vdwmesh/mesh/surface_mesh.hpp>
 #include <vdwmesh/render/crease_split.hpp>

@@ -17,7 +17,8 @@ import sys
 PRODUCT = ("src", "cuda", "apps", "python")
 CODE = {".hpp", ".cpp", ".cuh", ".cu"}
 SCRIPTS = {".py", ".pyi", ".js", ".css", ".html"}
-TYPE = re.compile(r"^\s*(?:template\s*<[^>]*>\s*)?(?:class|struct)\s+([A-Z]\w+)[^;{(]*\{", re.M)
+# A definition; not the state of a class that its source defines (`struct Name::State`), nor a parameter of a template.
+TYPE = re.compile(r"^\s*(?:template\s*<[^>]*>\s*)?(?:class|struct)\s+([A-Z]\w+)\b(?!::|,)[^;{(]*\{", re.M)
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 
 

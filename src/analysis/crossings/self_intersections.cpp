@@ -100,7 +100,7 @@ class NodeStars {
 };
 
 // What is searched; owns nothing.
-struct SearchedMesh {
+struct SearchInput {
   const IndexedMesh& mesh;
   const FacetTree& tree;
   const Buffer<LeafStars>& stars;  // by leaf; empty if nothing is known of the mesh
@@ -113,7 +113,7 @@ class LeafCache {
   LeafCache() : number_(kSlots, kNone), leaves_(kSlots) {}
 
   // The leaf is good until another one is asked for.
-  const FacetLeaf& at(const SearchedMesh& mesh, std::size_t leaf) {
+  const FacetLeaf& at(const SearchInput& mesh, std::size_t leaf) {
     const std::size_t slot = leaf % kSlots;
     if (number_[slot] != leaf) {
       leaves_[slot].gather(mesh.mesh, mesh.tree, leaf);
@@ -154,7 +154,7 @@ VDWMESH_INLINE void join_leaves(const FacetLeaf& a, const FacetLeaf& b, double r
 // The search from the bottom node `home`.
 class HomeSearch {
  public:
-  HomeSearch(const SearchedMesh& mesh, std::size_t home, LeafCache& cache)
+  HomeSearch(const SearchInput& mesh, std::size_t home, LeafCache& cache)
       : mesh_(mesh),
         tree_(mesh.tree),
         home_(home),
@@ -222,7 +222,7 @@ class HomeSearch {
     }
   }
 
-  const SearchedMesh& mesh_;
+  const SearchInput& mesh_;
   const FacetTree& tree_;
   std::size_t home_;
   LeafCache& cache_;
@@ -237,7 +237,7 @@ using TakePairs = std::function<void(const TrianglePairs&)>;
 // Calls take(found) for lists of pairs that intersect, one of them a triangle of the bottom nodes
 // from `first` to `end`. The monitor is asked between nodes, so that a search in which very many
 // boxes overlap can be stopped.
-VDWMESH_MULTIVERSION void search_from(const SearchedMesh& mesh, std::size_t first, std::size_t end,
+VDWMESH_MULTIVERSION void search_from(const SearchInput& mesh, std::size_t first, std::size_t end,
                                       LeafCache& cache, Monitor* monitor, const TakePairs& take) {
   TrianglePairs found;
   for (std::size_t home = first; home < end; ++home) {
@@ -255,7 +255,7 @@ void search_tree(const IndexedMesh& mesh, MeshEdges edges, Monitor* monitor,
   const StarFans fans = edges == MeshEdges::paired ? fans_of_divided(mesh) : StarFans();
   const FacetTree tree(mesh);
   const Buffer<LeafStars> stars = stars_of_leaves(mesh, tree, fans);
-  const SearchedMesh searched{mesh, tree, stars};
+  const SearchInput searched{mesh, tree, stars};
   begin_stage(monitor, "self-intersections", block_count(tree.bottom_nodes(), kNodesPerBlock));
   tbb::enumerable_thread_specific<LeafCache> caches;
   for_each_block(

@@ -13,7 +13,7 @@
 // which is also the distance of its plane from the centre of the sphere in units of the radius
 // (arc_cap.hpp). The smaller the cosine, the larger the cap.
 //
-// The arrangement (src/arrangement/) finds exposed arcs too, but needs a triangulation of all
+// The complex (src/complex/boundary/) finds exposed arcs too, but needs a triangulation of all
 // balls. Here a sphere needs its neighbours alone, and what rounding does to a corner does no harm.
 #include "analysis/distances/exposed_surface.hpp"
 

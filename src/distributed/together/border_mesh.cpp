@@ -38,9 +38,9 @@ Buffer<T> taken(Buffer<T>& own, std::size_t count) {
   return all;
 }
 
-class Builder {
+class BorderBuilder {
  public:
-  Builder(const Ranks& ranks, const SurfacePiece& piece)
+  BorderBuilder(const Ranks& ranks, const SurfacePiece& piece)
       : ranks_(ranks),
         piece_(piece),
         self_(static_cast<std::size_t>(ranks.number())),
@@ -187,7 +187,7 @@ class Builder {
 }  // namespace
 
 BorderMesh copy_border_mesh(const Ranks& ranks, const SurfacePiece& piece) {
-  Builder builder(ranks, piece);
+  BorderBuilder builder(ranks, piece);
   return builder.run([&](IndexedMesh& mesh, std::size_t vertices) {
     mesh.positions = copied(piece.mesh.positions, vertices);
     mesh.triangles = copied(piece.mesh.triangles, builder.triangles());
@@ -195,7 +195,7 @@ BorderMesh copy_border_mesh(const Ranks& ranks, const SurfacePiece& piece) {
 }
 
 BorderMesh take_border_mesh(const Ranks& ranks, SurfacePiece& piece) {
-  Builder builder(ranks, piece);
+  BorderBuilder builder(ranks, piece);
   return builder.run([&](IndexedMesh& mesh, std::size_t vertices) {
     mesh.positions = taken(piece.mesh.positions, vertices);
     mesh.triangles = taken(piece.mesh.triangles, builder.triangles());

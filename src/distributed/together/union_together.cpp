@@ -39,7 +39,7 @@ struct MeasuredSphere {
 };
 
 // What the ranks add up.
-struct Totals {
+struct TotalsOfAll {
   ExactSum area, volume;
   CountSums patches;
 
@@ -47,7 +47,7 @@ struct Totals {
     area.add(m.area);
     volume.add(m.volume);
   }
-  void add(const Totals& other) {
+  void add(const TotalsOfAll& other) {
     area.add(other.area);
     volume.add(other.volume);
     patches.add(other.patches);
@@ -62,7 +62,7 @@ struct Part {
   std::span<const SphereMeasures> by_near;  // those of the CPU or of the device
   std::vector<SphereId> suspects;           // ids in the whole set
   std::vector<NumberedBall> near_suspects;  // likewise
-  Totals totals;                            // without the suspects' areas and volumes
+  TotalsOfAll totals;                       // without the suspects' areas and volumes
   std::vector<MeasuredSphere> measured;     // without the suspects; empty if not asked for
 };
 
@@ -148,13 +148,13 @@ void add_up(Part& part, const MeasuredSpheres& measured, const UnionTogetherOpti
   part.totals.add(join_blocks(
       own.size(),
       [&, &own = own](std::size_t first, std::size_t end) {
-        Totals sums;
+        TotalsOfAll sums;
         for (std::size_t n = first; n < end; ++n) {
           if (is_counted(n)) sums.add(part.by_near[own[n]]);
         }
         return sums;
       },
-      [](Totals& sums, const Totals& more) { sums.add(more); }));
+      [](TotalsOfAll& sums, const TotalsOfAll& more) { sums.add(more); }));
   if (options.per_sphere != PerSphere::keep) return;
   part.measured = collect<MeasuredSphere>(
       own.size(), [&, &ids = near.ids, &own = own](std::size_t n, auto& found) {
@@ -197,7 +197,7 @@ struct Gathered {
   std::vector<SphereId> suspects;
   std::vector<NumberedBall> near_suspects;
   std::vector<MeasuredSphere> measured;
-  Totals totals;
+  TotalsOfAll totals;
   std::uint64_t components = 0;
 };
 
@@ -211,7 +211,7 @@ Gathered gather(const Ranks& ranks, Part& part, TopologyRequest topology) {
   all.suspects = collect(ranks, part.suspects);
   all.near_suspects = collect(ranks, part.near_suspects);
   all.measured = collect(ranks, part.measured);
-  for (const Totals& totals : ranks.collect(std::span<const Totals>(&part.totals, 1))) {
+  for (const TotalsOfAll& totals : ranks.collect(std::span<const TotalsOfAll>(&part.totals, 1))) {
     all.totals.add(totals);
   }
   if (topology != TopologyRequest::none) {

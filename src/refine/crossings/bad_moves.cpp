@@ -457,13 +457,13 @@ void BadMoves<Level>::mark_pair(const GatheredPart& a, const GatheredPart& b) {
 template <class Level>
 void BadMoves<Level>::mark_if_crossing(const GatheredPart& a, std::size_t i, const GatheredPart& b,
                                        std::size_t j) {
-  struct Corners {
+  struct ChildCorners {
     std::array<std::uint32_t, 3> vertex;
     std::array<Vec3d, 3> position;
     std::array<SphereId, 3> atom;
   };
   const auto corners = [&](const GatheredPart& part, std::size_t child) {
-    Corners c;
+    ChildCorners c;
     const auto corner = Part::triangle(static_cast<int>(child));
     for (std::size_t k = 0; k < 3; ++k) {
       c.vertex[k] = part.vertex[static_cast<std::size_t>(corner[k])];
@@ -472,7 +472,7 @@ void BadMoves<Level>::mark_if_crossing(const GatheredPart& a, std::size_t i, con
     }
     return c;
   };
-  const Corners s = corners(a, i), t = corners(b, j);
+  const ChildCorners s = corners(a, i), t = corners(b, j);
   if (!triangles_cross(s.position.data(), s.vertex.data(), s.atom.data(), t.position.data(),
                        t.vertex.data(), t.atom.data())) {
     return;

@@ -26,16 +26,16 @@ struct Light {
 };
 
 // The sum of light over the covered samples of one pixel, and the number of these samples.
-struct Covered {
+struct CoveredPixels {
   Light light;
   int count = 0;
 };
 
 // Adds up the covered samples of one pixel, in column x and in the given row. Rows count from the
 // bottom, as in Samples.
-Covered gather(const Samples& s, int x, int y_from_bottom) {
+CoveredPixels gather(const Samples& s, int x, int y_from_bottom) {
   const std::array<double, 256>& linear = linear_of_byte();
-  Covered covered;
+  CoveredPixels covered;
   for (int j = 0; j < s.per_axis; ++j) {
     const auto row = static_cast<std::size_t>(y_from_bottom * s.per_axis + j) *
                      static_cast<std::size_t>(s.width);
@@ -54,7 +54,7 @@ Covered gather(const Samples& s, int x, int y_from_bottom) {
 
 // Returns a pixel of a picture without a background. Alpha is straight: the colour is not
 // multiplied by it. `samples` is the number of samples of a pixel.
-Rgba8 over_nothing(const Covered& c, int samples) {
+Rgba8 over_nothing(const CoveredPixels& c, int samples) {
   if (c.count == 0) return {0, 0, 0, 0};
   const double n = c.count;
   return {to_srgb_byte(c.light.r / n), to_srgb_byte(c.light.g / n), to_srgb_byte(c.light.b / n),
@@ -62,7 +62,7 @@ Rgba8 over_nothing(const Covered& c, int samples) {
 }
 
 // Returns a pixel over a background. Samples that are not covered show the background.
-Rgba8 over(const Light& background, const Covered& c, int samples) {
+Rgba8 over(const Light& background, const CoveredPixels& c, int samples) {
   const double free = samples - c.count;
   const auto channel = [&](double light, double behind) {
     return to_srgb_byte((light + free * behind) / samples);
@@ -91,7 +91,7 @@ void resolve(const Samples& samples, const std::optional<Rgb>& background, Pictu
   const Light behind{linear[bytes[0]], linear[bytes[1]], linear[bytes[2]]};
   tbb::parallel_for(0, rows, [&](int y) {
     for (int x = 0; x < picture.width; ++x) {
-      const Covered covered = gather(samples, x, rows - 1 - y);
+      const CoveredPixels covered = gather(samples, x, rows - 1 - y);
       picture.at(x, y) = background ? over(behind, covered, of) : over_nothing(covered, of);
     }
   });

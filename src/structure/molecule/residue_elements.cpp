@@ -21,22 +21,23 @@ using gemmi::El;
 using namespace std::string_view_literals;
 
 // An ion: its name and its element.
-struct Named {
+struct NamedElement {
   std::string_view name;
   El element;
 };
 
 // The ions of CHARMM. Residue and atom have the same name, which is not the symbol.
 constexpr std::array kCharmmIons{
-    Named{"SOD", El::Na}, Named{"POT", El::K},  Named{"CAL", El::Ca}, Named{"CES", El::Cs},
-    Named{"LIT", El::Li}, Named{"RUB", El::Rb}, Named{"BAR", El::Ba}, Named{"CLA", El::Cl},
-    Named{"IOD", El::I},  Named{"CAD", El::Cd},
+    NamedElement{"SOD", El::Na}, NamedElement{"POT", El::K},  NamedElement{"CAL", El::Ca},
+    NamedElement{"CES", El::Cs}, NamedElement{"LIT", El::Li}, NamedElement{"RUB", El::Rb},
+    NamedElement{"BAR", El::Ba}, NamedElement{"CLA", El::Cl}, NamedElement{"IOD", El::I},
+    NamedElement{"CAD", El::Cd},
 };
 // Ions of AMBER whose name is not the symbol, with digits and charge: sodium, sodium with its water
 // as one particle, calcium, and protons.
 constexpr std::array kAmberIons{
-    Named{"CIO", El::Na}, Named{"IB", El::Na}, Named{"C0", El::Ca},
-    Named{"HE+", El::H},  Named{"HZ+", El::H},
+    NamedElement{"CIO", El::Na}, NamedElement{"IB", El::Na}, NamedElement{"C0", El::Ca},
+    NamedElement{"HE+", El::H},  NamedElement{"HZ+", El::H},
 };
 // Names of water in the PDB and in simulation programs, but for beads (W).
 constexpr std::array kWaters{
@@ -46,14 +47,14 @@ constexpr std::array kWaters{
 };
 // Ions in the PDB whose residue name is not the symbol. The atom name is the symbol ("I" in "IOD").
 constexpr std::array kOddlyNamedIons{
-    Named{"IOD", El::I},  Named{"YT", El::Y},   Named{"BS", El::Bi},
-    Named{"RHD", El::Rh}, Named{"ARS", El::As},
+    NamedElement{"IOD", El::I},  NamedElement{"YT", El::Y},   NamedElement{"BS", El::Bi},
+    NamedElement{"RHD", El::Rh}, NamedElement{"ARS", El::As},
 };
 
 template <class List>
 El find_named(const List& list, std::string_view name) {
-  const auto found =
-      std::find_if(list.begin(), list.end(), [name](const Named& n) { return n.name == name; });
+  const auto found = std::find_if(list.begin(), list.end(),
+                                  [name](const NamedElement& n) { return n.name == name; });
   return found == list.end() ? El::X : found->element;
 }
 
