@@ -19,6 +19,15 @@ enum class Demand : std::uint8_t { quality, validity };
 // all of it is meshed.
 enum class PatchStage : std::uint8_t { boundary, triangles };
 
+// How much there is of a patch, and room for how many points.
+struct PatchSizes {
+  std::uint32_t points, pieces, caps, through;  // of the boundary
+  std::uint32_t plane_triangles;                // of its triangulation in the plane; 0: none yet
+  std::uint32_t most_points;                    // of the boundary and inside
+
+  VDWMESH_HD std::uint32_t plane_points() const { return points + 3; }
+};
+
 // A triangle and its vertices when it was queued. Insertions change triangles, so one whose
 // vertices have changed is another triangle.
 struct TriangleCandidate {

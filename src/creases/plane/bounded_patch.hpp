@@ -14,15 +14,6 @@
 
 namespace vdwmesh {
 
-// How much there is of a patch, and room for how many points.
-struct PatchSizes {
-  std::uint32_t points, pieces, caps, through;  // of the boundary
-  std::uint32_t plane_triangles;                // of its triangulation in the plane; 0: none yet
-  std::uint32_t most_points;                    // of the boundary and inside
-
-  VDWMESH_HD std::uint32_t plane_points() const { return points + 3; }
-};
-
 // The packed arrays of a boundary, and of its triangulation (PlaneTypes::State). Either may be
 // elsewhere, and its arrays are null here.
 struct PatchInput {

@@ -11,6 +11,8 @@
 #include <iterator>
 #include <utility>
 
+#include "creases/share/patch_batch.hpp"
+
 namespace vdwmesh {
 
 void HostTurns::lend(const std::function<void()>& work) {

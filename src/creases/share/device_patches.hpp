@@ -22,7 +22,6 @@
 #include <vector>
 
 #include "core/fixed_blocks.hpp"
-#include "creases/share/patch_batch.hpp"
 #include "creases/share/patch_device.hpp"
 #include "measures/many_unions.hpp"
 

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/fixed_blocks.hpp"
+#include "creases/share/device_patches.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -5,11 +5,13 @@
 #include <span>
 #include <vector>
 
-#include "creases/share/device_patches.hpp"
+#include "creases/patch/patch_mesher.hpp"
 #include "creases/share/mesh_placement.hpp"
 #include "creases/share/mesh_team.hpp"
 
 namespace vdwmesh {
+
+class PatchDispatch;
 
 // What the rounds of meshing have left. Keeps references.
 struct MeshedPatches {

@@ -42,8 +42,6 @@ struct DeviceLoad {
   std::uint32_t most_points = 0;
   double milliseconds = 0;
 };
-// What the host's cores do meanwhile: rounds of boundaries, or they mesh the patches left to them.
-enum class HostWork : std::uint8_t { rounds, patches };
 // `sizes` are the points of each patch, and the device is busy for so many milliseconds before it
 // can begin.
 DeviceLoad load_for_device(std::vector<std::uint32_t> sizes, HostWork host, double busy = 0);

@@ -12,7 +12,6 @@
 
 #include "creases/exact_mesher.hpp"
 #include "creases/patch/patch_mesher.hpp"
-#include "creases/plane/bounded_patch.hpp"
 #include "creases/share/mesh_placement.hpp"
 #include "creases/share/mesh_team.hpp"
 
@@ -51,6 +50,10 @@ struct PatchOrder {
   std::function<void(const PatchJob&, std::span<PointSource>)> sources;
   Monitor* monitor;
 };
+
+// What the host's cores do while a device meshes: rounds of boundaries, or the patches left to
+// them.
+enum class HostWork : std::uint8_t { rounds, patches };
 
 // A boundary that nobody has looked at yet.
 struct LookJob {
