@@ -10,6 +10,7 @@
 
 #include "core/buffer.hpp"
 #include "core/fixed_blocks.hpp"
+#include "creases/share/mesh_placement.hpp"
 #include "cuda/memory/transfer.cuh"
 #include "cuda/mesher/mesh_parts.cuh"
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "complex/boundary/exposed_arcs.hpp"
+#include "complex/dual_complex.hpp"
 #include "complex/regular_cells.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/order/sorted_rows.hpp"

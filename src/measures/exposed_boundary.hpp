@@ -8,10 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "complex/dual_complex.hpp"
+#include "complex/placed_balls.hpp"
 #include "core/buffer.hpp"
 
 namespace vdwmesh {
+
+struct DualComplex;
+struct PowerTriangulation;
 
 // An exposed point common to three spheres. The two points that they have in common lie on either
 // side of the plane of their centres: side 0 is the one from which the centres of balls[0],

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "complex/dual_complex.hpp"
 #include "core/monitor.hpp"
 #include "measures/exposed_boundary.hpp"
 

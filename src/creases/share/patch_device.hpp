@@ -12,10 +12,11 @@
 
 #include "creases/exact_mesher.hpp"
 #include "creases/patch/patch_mesher.hpp"
-#include "creases/share/mesh_placement.hpp"
-#include "creases/share/mesh_team.hpp"
 
 namespace vdwmesh {
+
+class MeshPlacement;
+class MeshTeam;
 
 struct PatchJob {
   std::uint32_t ball;

@@ -14,6 +14,7 @@
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "creases/share/mesh_team.hpp"
 #include "creases/share/patch_device.hpp"
 #include "creases/share/split_fans.hpp"
 #include "distributed/together/examine_together.hpp"

@@ -6,6 +6,7 @@
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
+#include "spheres/directions.hpp"
 
 namespace vdwmesh::excluded {
 
