@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Turns the comments of a public header into those that Doxygen reads.
+"""Turns the comments of a public header into those that Doxygen reads. In a page, links to the notes become their words,
+since notes are no part of the reference.
 
-    filter.py HEADER > DOXYGEN_SOURCE
+    filter.py HEADER|PAGE > DOXYGEN_SOURCE
 
 Comments directly above a declaration become `///`, those behind one on its line `///<`, and the one at
 the top of the file its description. A comment holds for all declarations of a namespace up to the next
@@ -65,5 +66,9 @@ def converted(lines):
 
 
 if __name__ == "__main__":
-    with open(sys.argv[1], encoding="utf-8") as header:
-        print("\n".join(converted(header.read().split("\n"))))
+    with open(sys.argv[1], encoding="utf-8") as file:
+        text = file.read()
+    if sys.argv[1].endswith(".md"):
+        print(re.sub(r"\[([^]]*)\]\(notes/[^)]*\)", r"\1", text), end="")
+    else:
+        print("\n".join(converted(text.split("\n"))))

@@ -20,6 +20,7 @@
 
 #include "core/errors.hpp"
 #include "creases/share/look_batch.hpp"
+#include "creases/share/mesh_placement.hpp"
 #include "creases/share/patch_batch.hpp"
 #include "creases/share/patch_device.hpp"
 #include "surface/indexed_mesh.hpp"

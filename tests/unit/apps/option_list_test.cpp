@@ -63,7 +63,6 @@ TEST(OptionList, DefaultsAreValuesOfTheirOptions) {
     EXPECT_NO_THROW(option.reader.read(option.short_name(), option.absence.text)) << option.name;
   }
   EXPECT_EQ(draft.options.surface.edge_length, 0.35);
-  EXPECT_EQ(draft.options.repeats, 3);
 }
 
 TEST(OptionList, WhatCompletionOffersIsAValueOfTheOption) {

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "complex/dual_complex.hpp"
 #include "creases/arcs/patch_boundary.hpp"
 #include "creases/plane/stereographic.hpp"
 #include "reference/planar_delaunay.hpp"
