@@ -89,8 +89,8 @@ void look_at_batch(const LookOrder& order, std::size_t first, std::size_t end,
   tbb::parallel_for(std::size_t{0}, std::size_t{count}, [&](std::size_t i) {
     const PatchOutcome& o = outcomes[i];
     if (o.failure != PatchFailure::none) return;
-    const auto first = o.splits > 0 ? o.first_split - device_requests.data() : 0;
-    order.end(first + batch.job(i), batch.finish(i, states, {requests + first, o.splits}));
+    const auto split = o.splits > 0 ? o.first_split - device_requests.data() : 0;
+    order.end(first + batch.job(i), batch.finish(i, states, {requests + split, o.splits}));
   });
 }
 
