@@ -240,7 +240,8 @@ class Refinement final : public PieceRefinement {
           [&](std::size_t v, Starts& starts) { starts.add(mesh.positions[v].z, 0); });
     mesh.normals.resize(mesh.vertex_count());
     for_all(mesh.vertex_count(), [&](std::size_t v) {
-      mesh.normals[v] = surface_->surface().normal(mesh.positions[v], mesh.vertex_spheres[v].data());
+      mesh.normals[v] =
+          surface_->surface().normal(mesh.positions[v], mesh.vertex_spheres[v].data());
     });
   }
 
