@@ -1,14 +1,10 @@
-// How much memory a run may take unless told otherwise.
+// Memory of this process: what it keeps, and how much it used at most.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
 namespace vdwmesh::apps {
-
-// 80 % of the least of the available memory and what the cgroups of this process leave, in bytes,
-// divided among `processes` like this one. Without either figure there is no limit.
-std::uint64_t default_memory_limit(std::uint64_t processes = 1);
 
 // Makes freed memory stay with the process, for the stages that follow. By default glibc returns
 // large blocks to the kernel, which clears every page that it gives out again: that was more than

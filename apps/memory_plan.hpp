@@ -39,7 +39,7 @@ struct MemoryDemand {
 // The method whose memory the exact measures take. A certificate and the excluded surface need the
 // triangulation even if the measures come from arcs.
 inline UnionMethod method_for_memory(const ExactOptions& exact) {
-  const bool triangulates = exact.certify == Switch::on || exact.surface == ExactSurface::excluded;
+  const bool triangulates = exact.certify || exact.surface == ExactSurface::excluded;
   const bool more = triangulates && exact.method == UnionMethod::arcs;
   return more ? UnionMethod::both : exact.method;
 }

@@ -6,13 +6,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "analysis/study.hpp"
 #include "cuda/backend.hpp"
-#include "extract/extractor.hpp"
-#include "measures/exact_union.hpp"
-#include "refine/refiner.hpp"
+#include "request/mesh_request.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::apps {
@@ -26,56 +22,11 @@ struct InputOptions {
   double probe = 0;  // Å
 };
 
-// Which surface is measured or meshed: the boundary of the union of the balls, which a probe makes
-// the accessible surface; or the solvent-excluded surface.
-enum class ExactSurface { vdw, excluded };
-
-// Edge lengths of Mesher::exact that differ from atom to atom.
-struct EdgeGrading {
-  std::optional<double> relative;   // as a share of the sphere's radius
-  std::string table;                // path of a table of atoms with their edge lengths
-  std::vector<std::string> groups;  // "SELECTION=LENGTH" as it was given
-  std::vector<double> of_groups;    // Å, of the groups of ReadOptions::groups
-  bool is_uniform() const { return !relative && table.empty() && groups.empty(); }
-};
-
-struct SurfaceOptions {
-  ExactSurface kind = ExactSurface::vdw;  // `excluded` by Mesher::exact alone
-  Mesher mesher = Mesher::marching_cubes;
-  // What decided that: "default", or an option such as --mesher or --spacing; empty where a verb
-  // has one mesher.
-  std::string mesher_reason;
-  // Å, of Mesher::exact; empty: the grading gives all lengths.
-  std::optional<double> edge_length;
-  EdgeGrading grading;
-  std::vector<double> edge_lengths;  // Å, by sphere, once the structure is read; empty: all alike
-  std::optional<double> min_angle;   // degrees, of Mesher::exact
-  FieldOptions field;
-  GridOptions grid;
-  int subdivisions = 0;
-  Projection projection = Projection::none;
-  Crossings crossings = Crossings::undo;
-  std::vector<std::string> notes;  // for people: options that have no effect
-
-  // Whether `crossings` has an effect. Nothing can cross if no vertex moves, and meshes of the
-  // exact mesher are refined without a search (refine/refiner.hpp).
-  bool looks_for_crossings() const {
-    return mesher == Mesher::marching_cubes && projection != Projection::none;
-  }
-};
-
 // Records of studies hold these numbers.
 enum class SelfIntersections { count = 1, skip = 2 };
 
 // CGAL's measures of the OpenMesh mesh, beside ours.
 enum class CgalCheck { small_meshes, run, skip };
-
-struct ExactOptions {
-  ExactSurface surface = ExactSurface::vdw;
-  UnionMethod method = UnionMethod::cgal;
-  TopologyRequest topology = TopologyRequest::full;
-  Switch certify = Switch::off;
-};
 
 struct DistanceChoice {
   Switch distances = Switch::on;

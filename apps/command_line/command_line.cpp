@@ -15,8 +15,8 @@
 #include "command_line/option_list.hpp"
 #include "core/errors.hpp"
 #include "mesh/mesh_io.hpp"
-#include "refuse.hpp"
 #include "report/output.hpp"
+#include "request/refuse.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::apps {
@@ -25,9 +25,13 @@ namespace {
 using Words = std::vector<std::string>;
 using WordViews = std::vector<std::string_view>;
 
+constexpr std::string_view kHelpOfAll = "--help-all";
+
+bool asks_for_all(const Words& words) { return std::ranges::count(words, kHelpOfAll) > 0; }
+
 bool asks_for_help(const Words& words) {
   const auto is_help = [](const std::string& word) { return word == "--help" || word == "-h"; };
-  return std::ranges::any_of(words, is_help);
+  return std::ranges::any_of(words, is_help) || asks_for_all(words);
 }
 
 // The verb that the first word names; it is taken off.
@@ -176,7 +180,7 @@ class Reading {
   }
 
   std::string see_help() const {
-    return fmt::format("; {} {} --help lists the options", program_.name, verb_.name);
+    return fmt::format("; {} {} --help-all lists the options", program_.name, verb_.name);
   }
 
   const Program& program_;
@@ -202,11 +206,13 @@ std::optional<Command> read_command_line(const Program& program, int argc,
   Draft draft;
   draft.verb = verb.bit;
   draft.processes = program.processes;
-  const std::vector<OptionGroup> groups = options_of(verb.bit, draft);
   if (asks_for_help(words)) {
-    write_standard_output(verb_help(program, verb, groups));
+    const Extent extent = asks_for_all(words) ? Extent::shown : Extent::usual;
+    write_standard_output(
+        verb_help(program, verb, options_of(verb.bit, draft, extent), options_of(verb.bit, draft)));
     return std::nullopt;
   }
+  const std::vector<OptionGroup> groups = options_of(verb.bit, draft, Extent::read);
   Reading reading(program, verb, groups);
   reading.split(std::move(words));
   reading.read(draft);

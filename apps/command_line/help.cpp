@@ -45,6 +45,12 @@ std::string mark(const Option& option) {
   return option.other.empty() ? "(required) " : fmt::format("(required, or {}) ", option.other);
 }
 
+std::size_t count_options(const std::vector<OptionGroup>& groups) {
+  std::size_t count = 0;
+  for (const OptionGroup& group : groups) count += group.options.size();
+  return count;
+}
+
 }  // namespace
 
 // The names that a value can have come from its reader, the default from the list.
@@ -83,12 +89,16 @@ std::string verbs_help(const Program& program) {
 }
 
 std::string verb_help(const Program& program, const Verb& verb,
-                      const std::vector<OptionGroup>& groups) {
+                      const std::vector<OptionGroup>& groups, const std::vector<OptionGroup>& all) {
   std::string text = fmt::format("{} {}: {}\n\nUsage: {}\n", program.name, verb.name, verb.summary,
                                  synopsis(program, verb, groups));
+  const std::size_t others = count_options(all) - count_options(groups);
   for (const OptionGroup& group : groups) {
     text += fmt::format("\n{}:\n", group.title);
     for (const Option& option : group.options) text += entry(typed(option), meaning(option));
+  }
+  if (others > 0) {
+    text += fmt::format("\n{} {} --help-all lists {} more.\n", program.name, verb.name, others);
   }
   return text;
 }

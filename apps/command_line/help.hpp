@@ -20,7 +20,8 @@ std::string meaning(const Option& option);
 std::string verbs_help(const Program& program);
 
 // The options of a verb by group: names, what stands for the value, meaning, what holds without.
+// Where `all` has more of them, the last line says how to see these.
 std::string verb_help(const Program& program, const Verb& verb,
-                      const std::vector<OptionGroup>& groups);
+                      const std::vector<OptionGroup>& groups, const std::vector<OptionGroup>& all);
 
 }  // namespace vdwmesh::apps

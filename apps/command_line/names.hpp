@@ -1,105 +1,45 @@
-// The names of the contract for values of the libraries: the command line takes them and reports
-// print them. One table per enumeration serves both ways, so that they cannot drift apart.
+// The names of values that the program alone has, in the manner of request/names.hpp.
 #pragma once
-
-#include <array>
-#include <string_view>
-#include <vector>
 
 #include "analysis/quality_histograms.hpp"
 #include "command_line/parse.hpp"
 #include "options.hpp"
+#include "request/names.hpp"
 #include "steps/picture_options.hpp"
 #include "study/study_options.hpp"
 
-namespace vdwmesh::apps {
+namespace vdwmesh {
 
-// Where a value has several names, the first is printed.
-template <class T>
-struct Name {
-  std::string_view name;
-  T value;
-};
-template <class T, std::size_t count>
-constexpr auto names(const Name<T> (&all)[count]) {
-  return std::to_array(all);
-}
-
-template <class T>
-inline constexpr auto kNames = nullptr;
 template <>
-inline constexpr auto kNames<Mesher> = names<Mesher>({{"marching-cubes", Mesher::marching_cubes},
-                                                      {"exact", Mesher::exact}});
+inline constexpr auto kNames<apps::StudyProjection> =
+    names<apps::StudyProjection>({{"own", apps::StudyProjection::own},
+                                  {"vdw", apps::StudyProjection::vdw},
+                                  {"field", apps::StudyProjection::field},
+                                  {"none", apps::StudyProjection::none}});
 template <>
-inline constexpr auto kNames<FieldKind> = names<FieldKind>({{"vdw", FieldKind::vdw},
-                                                            {"blinn", FieldKind::blinn},
-                                                            {"soft", FieldKind::soft_object},
-                                                            {"inverse-squared",
-                                                             FieldKind::inverse_squared}});
+inline constexpr auto kNames<apps::Switch> = names<apps::Switch>({{"on", apps::Switch::on},
+                                                                  {"off", apps::Switch::off}});
 template <>
-inline constexpr auto kNames<FieldPreset> =
-    names<FieldPreset>({{"radius-aware", FieldPreset::radius_aware},
-                        {"thesis", FieldPreset::thesis},
-                        {"thesis-vdw", FieldPreset::thesis_vdw}});
+inline constexpr auto kNames<apps::SelfIntersections> =
+    names<apps::SelfIntersections>({{"on", apps::SelfIntersections::count},
+                                    {"auto", apps::SelfIntersections::count},
+                                    {"off", apps::SelfIntersections::skip}});
 template <>
-inline constexpr auto kNames<Projection> = names<Projection>({{"vdw", Projection::vdw},
-                                                              {"field", Projection::field},
-                                                              {"none", Projection::none}});
+inline constexpr auto kNames<apps::CgalCheck> =
+    names<apps::CgalCheck>({{"auto", apps::CgalCheck::small_meshes},
+                            {"on", apps::CgalCheck::run},
+                            {"off", apps::CgalCheck::skip}});
 template <>
-inline constexpr auto kNames<Crossings> = names<Crossings>({{"undo", Crossings::undo},
-                                                            {"allow", Crossings::allow}});
+inline constexpr auto kNames<apps::AtomGroup> =
+    names<apps::AtomGroup>({{"atom", apps::AtomGroup::atom},
+                            {"residue", apps::AtomGroup::residue},
+                            {"chain", apps::AtomGroup::chain}});
 template <>
-inline constexpr auto kNames<StudyProjection> =
-    names<StudyProjection>({{"own", StudyProjection::own},
-                            {"vdw", StudyProjection::vdw},
-                            {"field", StudyProjection::field},
-                            {"none", StudyProjection::none}});
+inline constexpr auto kNames<apps::BatchVerb> = names<apps::BatchVerb>(
+    {{"exact", apps::BatchVerb::exact}, {"report", apps::BatchVerb::report}});
 template <>
-inline constexpr auto kNames<Backend> =
-    names<Backend>({{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}});
-template <>
-inline constexpr auto kNames<UnionMethod> = names<UnionMethod>({{"auto", UnionMethod::automatic},
-                                                                {"cgal", UnionMethod::cgal},
-                                                                {"arcs", UnionMethod::arcs},
-                                                                {"both", UnionMethod::both}});
-template <>
-inline constexpr auto kNames<ExactSurface> =
-    names<ExactSurface>({{"vdw", ExactSurface::vdw}, {"excluded", ExactSurface::excluded}});
-template <>
-inline constexpr auto kNames<TopologyRequest> =
-    names<TopologyRequest>({{"on", TopologyRequest::full},
-                            {"counts", TopologyRequest::counts},
-                            {"off", TopologyRequest::none}});
-template <>
-inline constexpr auto kNames<Switch> = names<Switch>({{"on", Switch::on}, {"off", Switch::off}});
-template <>
-inline constexpr auto kNames<SelfIntersections> =
-    names<SelfIntersections>({{"on", SelfIntersections::count},
-                              {"auto", SelfIntersections::count},
-                              {"off", SelfIntersections::skip}});
-template <>
-inline constexpr auto kNames<CgalCheck> = names<CgalCheck>({{"auto", CgalCheck::small_meshes},
-                                                            {"on", CgalCheck::run},
-                                                            {"off", CgalCheck::skip}});
-template <>
-inline constexpr auto kNames<AtomGroup> = names<AtomGroup>({{"atom", AtomGroup::atom},
-                                                            {"residue", AtomGroup::residue},
-                                                            {"chain", AtomGroup::chain}});
-template <>
-inline constexpr auto kNames<StructureFormat> =
-    names<StructureFormat>({{"pdb", StructureFormat::pdb},
-                            {"mmcif", StructureFormat::mmcif},
-                            {"bcif", StructureFormat::bcif},
-                            {"pqr", StructureFormat::pqr},
-                            {"xyzr", StructureFormat::xyzr},
-                            {"ent", StructureFormat::pdb},
-                            {"cif", StructureFormat::mmcif}});
-template <>
-inline constexpr auto kNames<BatchVerb> = names<BatchVerb>({{"exact", BatchVerb::exact},
-                                                            {"report", BatchVerb::report}});
-template <>
-inline constexpr auto kNames<RowFormat> = names<RowFormat>({{"jsonl", RowFormat::jsonl},
-                                                            {"csv", RowFormat::csv}});
+inline constexpr auto kNames<apps::RowFormat> =
+    names<apps::RowFormat>({{"jsonl", apps::RowFormat::jsonl}, {"csv", apps::RowFormat::csv}});
 template <>
 inline constexpr auto kNames<CameraProjection> =
     names<CameraProjection>({{"orthographic", CameraProjection::orthographic},
@@ -115,28 +55,4 @@ template <>
 inline constexpr auto kNames<BinScale> = names<BinScale>({{"linear", BinScale::linear},
                                                           {"logarithmic", BinScale::logarithmic}});
 
-template <class T>
-std::string_view name_of(T value) {
-  for (const auto& [name, named] : kNames<T>) {
-    if (named == value) return name;
-  }
-  return "unknown";
-}
-
-template <class T>
-std::vector<std::string_view> all_names() {
-  std::vector<std::string_view> names;
-  for (const auto& [name, value] : kNames<T>) names.push_back(name);
-  return names;
-}
-
-// The inverse of name_of(). Throws InvalidInput that names `option` and lists the known names.
-template <class T>
-T value_named(std::string_view option, std::string_view text) {
-  for (const auto& [name, value] : kNames<T>) {
-    if (name == text) return value;
-  }
-  throw_unknown_name(option, text, all_names<T>());
-}
-
-}  // namespace vdwmesh::apps
+}  // namespace vdwmesh

@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "refuse.hpp"
+#include <algorithm>
+
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -36,13 +38,10 @@ Reader inputs(std::vector<std::string>& paths, Times times) {
           Use::reads, times};
 }
 
-// Samples beyond the limit take hours even on a single atom.
 Kind<double> density() {
   return {"N", "", [](std::string_view option, const std::string& text) {
-            constexpr double kMostSamples = 1e6;  // per Å²
-            const double samples = parse_number(option, text, Range::positive, "10");
-            if (samples <= kMostSamples) return samples;
-            refuse("{} {}: needs at most {} per Å²", option, text, kMostSamples);
+            return checked_samples(parse_number(option, text, Range::positive, "10"), text,
+                                   Door::program);
           }};
 }
 
@@ -80,8 +79,8 @@ Reader lengths_of_selections(Draft& d) {
     const double length =
         parse_number(option, text.substr(equals + 1), Range::positive, "A/10-40=0.2");
     d.read.groups.push_back(text.substr(0, equals));
-    d.options.surface.grading.of_groups.push_back(length);
-    d.options.surface.grading.groups.push_back(text);
+    d.mesh.grading.of_groups.push_back(length);
+    d.mesh.grading.groups.push_back(text);
   };
   return {"SELECTION=Å", "", read, Use::none, Times::often};
 }
@@ -118,12 +117,12 @@ std::vector<Option> input_options(Draft& d) {
        "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
        "ELEMENT RADIUS or RESIDUE ATOM RADIUS; bondi,FILE: a set with lines of one's own",
        otherwise("bondi; those of PQR and XYZR")},
-      {"--probe", kStructures & kExcluded, one(d.probe, probe),
+      {"--probe", kStructures & kExcluded, one(d.measure.probe, probe),
        "radius of a probe of solvent, 1.4 for water: added to every radius, or with --surface "
-       "excluded rolled over the atoms",
-       otherwise("0; 1.4 with --surface excluded")},
-      {"--probe", kStructures & ~kExcluded, one(d.probe, probe),
-       "radius of a probe of solvent, 1.4 for water: added to every radius", by_default("0")},
+       "ses rolled over the atoms",
+       otherwise("0; 1.4 with --surface sas or ses")},
+      {"--probe", kStructures & ~kExcluded, one(d.measure.probe, probe),
+       "radius of a probe of solvent, 1.4 for water: added to every radius", otherwise("0")},
       {"--model", kStructures, one(r.model, text("N", {"first", "all"})),
        "model number, first, or all models as one set", by_default("first")},
       {"--assembly", kStructures, one(r.assembly, text("NAME", {"asymmetric"})),
@@ -145,58 +144,58 @@ std::vector<Option> input_options(Draft& d) {
 
 // What is meshed, and how.
 std::vector<Option> surface_options(Draft& d) {
-  SurfaceOptions& s = d.options.surface;
+  MeshRequest& m = d.mesh;
   const auto length = [](const char* example) { return number("Å", Range::positive, example); };
   const Kind<int> levels = whole<int>(0, kMaxSubdivisions);
   const char *subdivide = "midpoint subdivisions; the new vertices move to the surface after each",
              *project = "surface that vertices are moved to after a subdivision";
   return {
-      {"--surface", kExcluded, one(d.options.exact.surface, named<ExactSurface>()),
-       "which one: vdw is the boundary of the balls, with --probe the accessible surface; excluded "
-       "is the solvent-excluded one",
+      {"--surface", kExcluded, one(d.measure.surface, named<SurfaceChoice>()),
+       "which one: the boundary of the balls, the accessible surface (the same with --probe 1.4), "
+       "or the solvent-excluded one",
        by_default("vdw")},
-      {"--mesher", kSurfaces | kRanksMesh, one(d.mesher, named<Mesher>()),
+      {"--mesher", kSurfaces | kRanksMesh, one(m.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
        otherwise(
            d.verb == kRanksMesh
                ? "marching-cubes; exact with an edge length"
                : "exact; marching-cubes with --spacing, --padding, --preset or a blended --field")},
-      {"--edge-length", kSurfaces | kRanksMesh, one(s.edge_length, length("0.35")),
-       "length of the mesh's edges; marching cubes take --spacing instead", by_default("0.35")},
+      {"--edge-length", kSurfaces | kRanksMesh, one(m.edge_length, length("0.35")),
+       "length of the mesh's edges; marching cubes take --spacing instead", otherwise("0.35")},
       {"--relative-edge", kSurfaces | kRanksMesh,
-       one(s.grading.relative, number("N", Range::positive, "0.2")),
+       one(m.grading.relative, number("N", Range::positive, "0.2")),
        "edge length as a share of the radius; beside --edge-length the shorter one holds",
        no_default()},
       {"--edge-length-of", kSurfaces | kRanksMesh, lengths_of_selections(d),
        "edge length of some atoms (as --select); the last one that names an atom holds",
        no_default()},
-      {"--edge-lengths", kOneSurface | kRanksMesh, one(s.grading.table, text("FILE"), Use::reads),
+      {"--edge-lengths", kOneSurface | kRanksMesh, one(m.grading.table, text("FILE"), Use::reads),
        "table of --per-atom with a column edge_length, Å; an empty field leaves the atom to the "
        "other options",
        no_default()},
-      {"--min-angle", kSurfaces, one(s.min_angle, number("DEG", Range::positive, "20")),
+      {"--min-angle", kSurfaces, one(m.min_angle, number("DEG", Range::positive, "20")),
        "triangles have no smaller angle, up to 25, but at sharp corners of an atom's patch",
        no_default()},
-      {"--field", kGrids, one(s.field.kind, named<FieldKind>()), "what is meshed",
+      {"--field", kGrids, one(m.field.kind, named<FieldKind>()), "what is meshed",
        by_default("vdw")},
-      {"--preset", kGrids, one(s.field.preset, named<FieldPreset>()),
+      {"--preset", kGrids, one(m.field.preset, named<FieldPreset>()),
        "parameters of the blended fields", by_default("radius-aware")},
-      {"--spacing", kGrids, one(d.spacing, length("0.5")), "of the grid of marching cubes",
+      {"--spacing", kGrids, one(m.spacing, length("0.5")), "of the grid of marching cubes",
        otherwise("0.5; thesis presets 0.4")},
-      {"--padding", kGrids, one(d.padding, number("Å", Range::non_negative, "1.5")),
+      {"--padding", kGrids, one(m.padding, number("Å", Range::non_negative, "1.5")),
        "grid beyond the box of the spheres", otherwise("3 spacings")},
-      {"--isovalue", kGrids, one(s.field.isovalue, number("T", Range::positive, "1")),
+      {"--isovalue", kGrids, one(m.field.isovalue, number("T", Range::positive, "1")),
        "of the blended fields", otherwise("1")},
-      {"--blobbiness", kGrids, one(s.field.blobbiness, number("B", Range::positive, "2")),
+      {"--blobbiness", kGrids, one(m.field.blobbiness, number("B", Range::positive, "2")),
        "of --field blinn", otherwise("2")},
-      {"--subdivide", kMesh | kRanksMesh, one(s.subdivisions, levels), subdivide, by_default("0")},
-      {"--subdivide", kReport | kRender | kBatch, one(s.subdivisions, levels), subdivide,
+      {"--subdivide", kMesh | kRanksMesh, one(m.subdivisions, levels), subdivide,
+       otherwise("0")},
+      {"--subdivide", kReport | kRender | kBatch, one(m.subdivisions, levels), subdivide,
        otherwise("0; 1 with marching cubes")},
-      {"--project", kGrids, one(d.projection, named<Projection>()), project,
+      {"--project", kGrids, one(m.projection, named<Projection>()), project,
        otherwise("as --field")},
-      {"--crossings", kGrids, one(s.crossings, named<Crossings>()),
-       "moves of vertices after which triangles cross are taken back, or stay",
-       by_default("undo")}};
+      {"--crossings", kGrids, one(m.crossings, named<Crossings>()),
+       "moves of vertices after which triangles cross are taken back, or stay", otherwise("undo")}};
 }
 
 // The axes of a study: the options of a single mesh, each with several values.
@@ -227,17 +226,18 @@ std::vector<Option> measure_options(Draft& d) {
   return {
       {"--measure", kReport | kExact | kBatch | kRanksExact, one(d.read.measure, text("SELECTION")),
        "measure only these atoms; all others cover them (as --select)", otherwise("all atoms")},
-      {"--method", kReport | kExact | kCompare | kBatch, one(d.method, named<UnionMethod>()),
-       "of the exact union", otherwise("auto: cgal; arcs without the whole topology")},
-      {"--topology", kReport | kExact | kCompare, one(d.topology, named<TopologyRequest>()),
+      {"--method", kReport | kExact | kCompare | kBatch,
+       one(d.measure.method, named<UnionMethod>()), "of the exact union",
+       otherwise("auto: cgal; arcs without the whole topology")},
+      {"--topology", kReport | kExact | kCompare, one(d.measure.topology, named<TopologyRequest>()),
        "exact topology; counts: components and Euler characteristic alone",
-       otherwise("on; off with arcs")},
-      {"--topology", kBatch, one(d.topology, named<TopologyRequest>()),
+       otherwise("full; off with arcs")},
+      {"--topology", kBatch, one(d.measure.topology, named<TopologyRequest>()),
        "exact topology; counts: components and Euler characteristic alone",
-       otherwise("off; on with --verb report, and with --method cgal or both")},
-      {"--topology", kRanksExact, one(d.topology, named<TopologyRequest>()),
+       otherwise("off; full with --verb report, and with --method cgal or both")},
+      {"--topology", kRanksExact, one(d.measure.topology, named<TopologyRequest>()),
        "components and Euler characteristic: counts or off", otherwise("counts")},
-      {"--certify", kReport | kExact, flag(o.exact.certify, Switch::on),
+      {"--certify", kReport | kExact, flag(d.measure.certify, true),
        "intervals that are proven to contain the exact area and volume"},
       {"--distances", kDistances, one(c.distances, named<Switch>()),
        "between mesh and exact surface", by_default("on")},
@@ -305,8 +305,7 @@ std::vector<Option> picture_options(Draft& d) {
                   {"element", "distance", "angle", "kind", "mean-curvature", "gaussian-curvature",
                    "white", "black", "grey"}),
        "element, distance (of triangle centres to the exact surface), angle (smallest of each "
-       "triangle), kind, mean-curvature, gaussian-curvature (of the patches of --surface "
-       "excluded), "
+       "triangle), kind, mean-curvature, gaussian-curvature (of the patches of --surface ses), "
        "or one colour: white, black, grey, #rrggbb",
        otherwise("element; of a MESH: grey")}};
 }
@@ -357,6 +356,27 @@ std::vector<Option> output_options(Draft& d) {
        "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"}};
 }
 
+// What --help lists of verbs that take structures; --help-all lists the others too.
+constexpr std::string_view kUsual[] = {
+    "--mesher",   "--subdivide",   "--repeat",      "--csv",     "MESH",
+    "INPUT",      "--sample",      "--radii",       "--probe",   "--assembly",
+    "--select",   "--surface",     "--edge-length", "--spacing", "--measure",
+    "--topology", "--picture",     "--color",       "--view",    "--json",
+    "-o",         "--per-atom",    "--voids",       "--verb",    "--backend",
+    "--threads",  "--memory-limit"};
+
+// Read, and not shown.
+constexpr std::string_view kUnseen[] = {
+    "--hetatm",    "--preset",     "--isovalue",   "--blobbiness",    "--crossings",
+    "--seed",      "--cgal-check", "--devices",    "--camera",        "--shading",
+    "--antialias", "--rows",       "--time-limit", "--page-triangles"};
+
+bool is_within(const Option& option, Extent extent) {
+  const std::string name = option.short_name();
+  if (extent == Extent::usual) return std::ranges::count(kUsual, name) > 0;
+  return extent == Extent::read || std::ranges::count(kUnseen, name) == 0;
+}
+
 }  // namespace
 
 std::vector<OptionGroup> all_options(Draft& d) {
@@ -369,10 +389,14 @@ std::vector<OptionGroup> all_options(Draft& d) {
           {"Machine", machine_options(d)}};
 }
 
-std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft) {
+// Verbs without a structure have few options, which are all usual.
+std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft, Extent extent) {
   std::vector<OptionGroup> groups = all_options(draft);
+  if (extent == Extent::usual && !(verb & kStructures)) extent = Extent::shown;
   for (OptionGroup& group : groups) {
-    std::erase_if(group.options, [&](const Option& option) { return !(option.verbs & verb); });
+    std::erase_if(group.options, [&](const Option& option) {
+      return !(option.verbs & verb) || !is_within(option, extent);
+    });
   }
   std::erase_if(groups, [](const OptionGroup& group) { return group.options.empty(); });
   return groups;

@@ -59,21 +59,21 @@ struct Draft {
   std::vector<std::string> paths, samples;
   ReadOptions read;
   std::optional<Inclusion> hetero_atoms;
-  double probe = 0;                        // Å
-  std::optional<double> spacing, padding;  // Å
-  std::optional<Mesher> mesher;
-  std::optional<Projection> projection;
-  std::optional<UnionMethod> method;
-  std::optional<TopologyRequest> topology;
+  MeshRequest mesh;  // its surface is that of `measure`
+  MeasureRequest measure;
   std::optional<std::uint64_t> memory_limit;  // bytes
   NamedFiles files;
   std::vector<std::pair<std::string, std::string>> given;  // name and group, in the list's order
 };
 
+// How much of the list is meant. What is turned by measurements of the authors alone, and older
+// names that scripts may have, are read and not shown.
+enum class Extent { usual, shown, read };
+
 // The options of all verbs by group, in the order of --help; their readers fill `draft`.
 std::vector<OptionGroup> all_options(Draft& draft);
 // Those of one verb; groups without any are left out.
-std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft);
+std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft, Extent extent = Extent::shown);
 
 // The verbs that take more than one INPUT.
 inline constexpr VerbSet kSeveralInputs = kStudy;

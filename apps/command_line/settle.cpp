@@ -6,18 +6,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <system_error>
 
 #include "command_line/option_list.hpp"
 #include "core/letters.hpp"
-#include "creases/exact_mesher.hpp"
-#include "excluded/excluded_measures.hpp"
-#include "memory.hpp"
 #include "mesh/mesh_io.hpp"
 #include "named_files.hpp"
-#include "refuse.hpp"
 #include "render/renderer.hpp"
-#include "structure/radii.hpp"
+#include "request/memory_limit.hpp"
+#include "request/read_request.hpp"
+#include "request/refuse.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::apps {
@@ -33,164 +30,36 @@ std::string first_given(const Draft& d, std::initializer_list<const char*> names
 
 bool is_given(const Draft& d, const char* name) { return !first_given(d, {name}).empty(); }
 
-// A parameter that a field does not have would be silently without effect.
-void settle_field(const FieldOptions& field) {
-  const bool of_union = field.kind == FieldKind::vdw;
-  refuse_if(of_union && field.preset != FieldPreset::radius_aware,
-            "--preset {}: is of the blended fields; add --field blinn, soft or inverse-squared",
-            name_of(field.preset));
-  refuse_if(of_union && field.isovalue,
-            "--isovalue: --field vdw has none; add --field blinn, soft or inverse-squared");
-  refuse_if(field.blobbiness && field.kind != FieldKind::blinn,
-            "--blobbiness: --field {} has none; add --field blinn", name_of(field.kind));
-}
-
-// The option that asks for marching cubes without naming them: only they have a grid and fields
-// other than the union. Empty where none does.
-std::string option_of_marching_cubes(const Draft& d) {
-  const bool is_union = d.options.surface.field.kind == FieldKind::vdw;
-  const std::string of_field = is_union ? "" : first_given(d, {"--field"});
-  return of_field.empty() ? first_given(d, {"--preset", "--spacing", "--padding"}) : of_field;
-}
-
-// The crease-exact mesher has neither field nor grid. It is what people get who ask for neither,
-// but from several processes: each of these arranges all balls, which limits how many there may be.
-void settle_mesher(Draft& d) {
+// Where every process arranges all balls, marching cubes are usual; verbs that make no mesh of one
+// mesher have them too.
+void settle_mesh(Draft& d) {
+  constexpr VerbSet of_either = kMesh | kReport | kRender | kBatch;
+  MeshRequest& m = d.mesh;
+  m.surface = d.measure.surface;
+  if (!(d.verb & of_either)) m.usual_mesher = Mesher::marching_cubes;
+  if (d.verb & (kReport | kRender | kBatch)) m.subdivisions_of_cubes = 1;
   SurfaceOptions& s = d.options.surface;
-  const std::string of_cubes = option_of_marching_cubes(d);
-  const std::string of_edges =
-      first_given(d, {"--edge-length", "--relative-edge", "--edge-length-of", "--edge-lengths"});
-  const bool is_exact = of_cubes.empty() && (d.verb != kRanksMesh || !of_edges.empty());
-  s.mesher = d.mesher.value_or(is_exact ? Mesher::exact : Mesher::marching_cubes);
-  s.mesher_reason = is_given(d, "--mesher")            ? "--mesher"
-                    : d.mesher                         ? "--surface"
-                    : is_exact && d.verb == kRanksMesh ? of_edges
-                    : of_cubes.empty()                 ? "default"
-                                                       : of_cubes;
-  const bool exact = s.mesher == Mesher::exact;
-  const std::string of_grid = first_given(d, {"--spacing", "--padding"});
-  refuse_if(!exact && !of_edges.empty(),
-            "{}: is of --mesher exact; marching cubes, which {} asks for, takes --spacing instead",
-            of_edges, s.mesher_reason);
-  refuse_if(!exact && s.min_angle,
-            "--min-angle: is of --mesher exact; marching cubes, which {} asks for, bound no angles",
-            s.mesher_reason);
-  refuse_if(s.min_angle > kLargestMinAngle, "--min-angle {}: needs at most {} degrees",
-            s.min_angle.value_or(0), kLargestMinAngle);
-  const char* asked = s.kind == ExactSurface::excluded ? "--surface excluded" : "--mesher exact";
-  refuse_if(exact && s.field.kind != FieldKind::vdw,
-            "--field {}: {} is of the spheres themselves, which is --field vdw",
-            name_of(s.field.kind), asked);
-  refuse_if(exact && !of_grid.empty(), "{}: {} has no grid; --edge-length sets the size", of_grid,
-            asked);
-}
-
-// Meshes of marching cubes are projected once before they are looked at or measured, because their
-// vertices lie on edges of the grid's cells, where the surface is only near. Those of the exact
-// mesher lie on the surface.
-void settle_levels(Draft& d) {
-  if (is_given(d, "--subdivide") || !(d.verb & (kReport | kRender | kBatch))) return;
-  d.options.surface.subdivisions = d.options.surface.mesher == Mesher::marching_cubes ? 1 : 0;
-}
-
-// Projection follows a subdivision. A default that is without effect is nothing to speak of; where
-// it was asked for, a note says so.
-void settle_projection(Draft& d) {
-  SurfaceOptions& s = d.options.surface;
-  const bool of_union = s.field.kind == FieldKind::vdw;
-  Projection projection = d.projection.value_or(of_union ? Projection::vdw : Projection::field);
-  // The field of --field vdw is the union itself.
-  if (of_union && projection == Projection::field) projection = Projection::vdw;
-  if (s.subdivisions > 0) {
-    s.projection = projection;
-  } else if (d.projection && projection != Projection::none) {
-    s.notes.push_back(fmt::format(
-        "--project {} has no effect with --subdivide 0: projection follows a subdivision",
-        name_of(*d.projection)));
-  }
-}
-
-// Meshes along the creases, and meshes whose vertices do not move, are not searched for crossings.
-// Ranks don't search any, and so do not make the mesh that the default of the other verbs makes.
-void settle_crossings(Draft& d) {
-  SurfaceOptions& s = d.options.surface;
+  s = settle(m);
+  refuse_if(s.kind == ExactSurface::excluded && is_given(d, "--devices") && (d.verb & of_either),
+            "--devices: does not go with --surface ses; leave one of them out");
   refuse_if(d.verb == kRanksMesh && s.looks_for_crossings() && s.crossings == Crossings::undo,
             "--subdivide {}: ranks do not look for triangles that cross; add --crossings allow, or "
             "--project none",
             s.subdivisions);
-  if (!is_given(d, "--crossings") || s.looks_for_crossings()) return;
-  s.notes.push_back(fmt::format(
-      "--crossings {} has no effect {}: crossings are looked for where a projection moves vertices",
-      name_of(s.crossings),
-      s.mesher == Mesher::exact ? "with --mesher exact"
-      : s.subdivisions == 0     ? "with --subdivide 0"
-                                : "with --project none"));
-}
-
-// The excluded surface has one mesher, whose edges are all alike. Its meshes are refined to the
-// patches without a choice.
-void settle_excluded_mesh(Draft& d) {
-  if (!(d.verb & (kMesh | kReport | kRender))) return;
-  refuse_if(d.mesher == Mesher::marching_cubes,
-            "--mesher {}: --surface excluded is meshed along its curves, which is --mesher exact",
-            name_of(Mesher::marching_cubes));
-  d.mesher = Mesher::exact;
-  const std::string other =
-      first_given(d, {"--relative-edge", "--edge-length-of", "--edge-lengths", "--min-angle",
-                      "--project", "--crossings", "--devices"});
-  refuse_if(!other.empty(), "{}: does not go with --surface excluded; leave one of them out",
-            other);
-}
-
-// The meshers are told apart only by verbs that make one mesh; a study sweeps over both.
-void settle_surface(Draft& d) {
-  SurfaceOptions& s = d.options.surface;
-  s.kind = d.options.exact.surface;
-  if (s.kind == ExactSurface::excluded) settle_excluded_mesh(d);
-  if (s.grading.relative && !is_given(d, "--edge-length")) s.edge_length.reset();
-  settle_field(s.field);
-  if (d.verb & (kMesh | kReport | kRender | kBatch | kRanksMesh)) settle_mesher(d);
-  settle_levels(d);
-  s.grid = preset_grid(s.field.preset, d.spacing, d.padding);
-  settle_projection(d);
-  settle_crossings(d);
-}
-
-// Whether the file has the model is known when it is read; that this is no number is known now.
-void check_model(const std::string& model) {
-  const bool is_number = !model.empty() && model.size() < 10 &&
-                         model.find_first_not_of("0123456789") == std::string::npos;
-  refuse_if(model != "first" && model != "all" && !is_number,
-            "--model {}: needs a model number of the file, first or all", model);
-}
-
-// Papers write the names of sets with capitals. Files among the parts are inputs.
-void settle_radii(Draft& d) {
-  if (d.read.radii.empty()) return;
-  std::vector<std::string> parts = RadiusTable::parts_of(d.read.radii);
-  for (std::string& part : parts) {
-    const auto is_set = [](const std::string& name) {
-      return std::ranges::count(RadiusTable::names(), name) > 0;
-    };
-    std::error_code error;
-    if (is_set(lower_case(part)) && !std::filesystem::exists(part, error)) part = lower_case(part);
-    if (!is_set(part)) d.files.add_input("--radii", part);
-  }
-  d.read.radii = fmt::format("{}", fmt::join(parts, ","));
 }
 
 // The thesis took ATOM records alone.
 void settle_input(Draft& d) {
-  check_model(d.read.model);
-  settle_radii(d);
+  for (const std::string& file : settle(d.read, Door::program)) d.files.add_input("--radii", file);
+  const double probe = d.options.exact.probe;
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
   refuse_if(d.verb != kBatch && std::ranges::count(d.paths, "-") > 0 &&
                 d.read.format == StructureFormat::by_extension,
             "INPUT -: standard input needs --format pdb, mmcif, bcif, pqr or xyzr");
-  for (const std::string& path : d.paths) d.options.inputs.push_back({path, "", d.read, d.probe});
+  for (const std::string& path : d.paths) d.options.inputs.push_back({path, "", d.read, probe});
   for (const std::string& sample : d.samples) {
-    d.options.inputs.push_back({"", sample, d.read, d.probe});
+    d.options.inputs.push_back({"", sample, d.read, probe});
   }
   refuse_if(d.options.inputs.size() > 1 && !(d.verb & (kSeveralInputs | kBatch)),
             "--sample: takes one structure here; name ubiquitin or bpti");
@@ -208,10 +77,10 @@ void settle_render(const Draft& d) {
   const std::optional<ColorBy> color = d.options.picture.color;
   const bool excluded = d.options.surface.kind == ExactSurface::excluded;
   refuse_if(color && is_of_patches(*color) && !excluded,
-            "--color: patches and their curvatures are those of --surface excluded");
+            "--color: patches and their curvatures are those of --surface ses");
   refuse_if(color == ColorBy::distance && excluded,
             "--color distance: is measured to the boundary of the balls; leave out --surface "
-            "excluded");
+            "ses");
   const bool of_mesh = !d.paths.empty() && find_mesh_format(d.paths.front());
   const std::string of_values = first_given(d, {"--color-map", "--color-range"});
   refuse_if(!of_values.empty() && !shows_values(color),
@@ -230,53 +99,36 @@ void settle_render(const Draft& d) {
   }
 }
 
-// Arcs are quicker, and know no more of the topology than counts. A certificate needs the
-// triangulation anyway. Ranks have the arcs alone.
+// Ranks have the arcs alone, and so have batches unless more is asked for.
 void settle_exact(Draft& d) {
-  ExactOptions& exact = d.options.exact;
-  if (d.verb == kRanksExact) {
-    refuse_if(d.topology == TopologyRequest::full,
-              "--topology on: needs the triangulation, which one process makes (vdwmesh exact); "
-              "ranks know counts and off");
-    exact.method = UnionMethod::arcs;
-    exact.topology = d.topology.value_or(TopologyRequest::counts);
-    return;
-  }
+  MeasureRequest& m = d.measure;
+  const bool of_ranks = d.verb == kRanksExact;
+  refuse_if(of_ranks && m.topology == TopologyRequest::full,
+            "--topology full: needs the triangulation, which one process makes (vdwmesh exact); "
+            "ranks know counts and off");
+  if (of_ranks)
+    m.method = UnionMethod::arcs, m.topology = m.topology.value_or(TopologyRequest::counts);
   const bool fast = d.verb == kBatch && d.options.batch.verb == BatchVerb::exact &&
-                    d.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
-  const TopologyRequest wanted =
-      d.topology.value_or(fast ? TopologyRequest::none : TopologyRequest::full);
-  exact.method = method_for(d.method.value_or(UnionMethod::automatic),
-                            exact.certify == Switch::on ? TopologyRequest::full : wanted);
-  const bool arcs = exact.method == UnionMethod::arcs;
-  refuse_if(arcs && d.topology == TopologyRequest::full,
-            "--topology on: needs the triangulation, which --method arcs does without; choose "
-            "--method cgal or both");
-  exact.topology = arcs ? d.topology.value_or(TopologyRequest::none) : wanted;
-  refuse_if(!d.options.output.voids.empty() && exact.topology != TopologyRequest::full,
+                    m.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
+  if (fast) m.usual_topology = TopologyRequest::none;
+  m.backend = d.options.machine.backend;
+  d.options.exact = settle(m);
+  refuse_if(!d.options.output.voids.empty() && d.options.exact.topology != TopologyRequest::full,
             "--voids: needs the whole topology; leave out {}",
             first_given(d, {"--topology", "--method", "--exact"}));
 }
 
-// The excluded surface has one method, and its probe does not make the atoms larger.
-void settle_excluded(Draft& d) {
+// What of the program does not go with the excluded surface, beside what its request refuses.
+void settle_excluded(const Draft& d) {
   if (d.options.exact.surface != ExactSurface::excluded) return;
-  const std::string other = first_given(d, {"--method", "--certify", "--measure", "--voids"});
-  refuse_if(!other.empty(), "{}: does not go with --surface excluded; leave one of them out",
-            other);
-  refuse_if(d.topology == TopologyRequest::counts,
-            "--topology counts: --surface excluded knows on and off");
+  const std::string other = first_given(d, {"--measure", "--voids"});
+  refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
   const bool cuda = d.options.machine.backend == Backend::cuda;
   refuse_if(cuda && d.verb != kExact,
             "--backend cuda: meshes of the excluded surface are made and judged on the CPU; leave "
             "it out");
-  refuse_if(cuda && d.topology == TopologyRequest::full,
-            "--topology on: shells are found on the CPU; leave out --backend cuda");
-  for (InputOptions& input : d.options.inputs) {
-    if (!is_given(d, "--probe")) input.probe = kWaterProbe;
-    refuse_if(!(input.probe > 0), "--probe {}: the excluded surface needs a radius above 0",
-              input.probe);
-  }
+  refuse_if(cuda && d.measure.topology == TopologyRequest::full,
+            "--topology full: shells are found on the CPU; leave out --backend cuda");
 }
 
 void settle_distances(const Draft& d) {
@@ -356,10 +208,9 @@ void settle_batch(Draft& d) {
 void settle_excluded_study(Draft& d) {
   StudyAxes& axes = d.options.study.axes;
   const std::string other = first_given(d, {"--spacing", "--field", "--project"});
-  refuse_if(!other.empty(), "{}: does not go with --surface excluded; leave one of them out",
-            other);
+  refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
   refuse_if(is_given(d, "--mesher") && axes.meshers != std::vector{Mesher::exact},
-            "--mesher: --surface excluded is meshed along its curves, which is --mesher exact");
+            "--mesher: --surface ses is meshed along its curves, which is --mesher exact");
   refuse_if(std::ranges::count(axes.backends, Backend::cuda) > 0,
             "--backend cuda: meshes of the excluded surface are made and judged on the CPU; leave "
             "it out");
@@ -408,9 +259,9 @@ void settle_study(Draft& d) {
 
 // The surface comes first, because the preset decides which atoms are taken.
 void settle(Draft& d) {
-  settle_surface(d);
-  settle_input(d);
+  settle_mesh(d);
   settle_exact(d);
+  settle_input(d);
   settle_excluded(d);
   settle_distances(d);
   settle_machine(d);

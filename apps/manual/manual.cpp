@@ -18,7 +18,7 @@
 #include "command_line/help.hpp"
 #include "outcome.hpp"
 #include "ranks/rank_program.hpp"
-#include "refuse.hpp"
+#include "request/refuse.hpp"
 #include "report/output.hpp"
 
 namespace vdwmesh::apps {

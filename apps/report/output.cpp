@@ -15,7 +15,7 @@
 #include "core/errors.hpp"
 #include "interrupt.hpp"
 #include "mesh/formats/output_file.hpp"
-#include "refuse.hpp"
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {

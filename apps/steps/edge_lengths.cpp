@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "command_line/parse.hpp"
-#include "refuse.hpp"
 #include "report/csv.hpp"
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {

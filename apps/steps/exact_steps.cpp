@@ -53,7 +53,7 @@ void measure_by_arcs(const SphereSet& spheres, Session& session) {
 
 bool needs_cpu(const ExactOptions& options, const MeasuredSpheres& measured) {
   return options.method != UnionMethod::arcs || options.topology != TopologyRequest::none ||
-         options.certify == Switch::on || measured;
+         options.certify || measured;
 }
 
 bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
@@ -85,7 +85,7 @@ void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Sessi
   Report& report = session.report;
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
   wanted.topology = options.topology;
-  wanted.certify = options.certify == Switch::on;
+  wanted.certify = options.certify;
   wanted.memory_limit = session.machine.memory_limit;
   if (measured) wanted.measured = *measured;
   report.exact.emplace();

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "refuse.hpp"
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {

@@ -12,7 +12,8 @@
 
 #include "command_line/parse.hpp"
 #include "core/errors.hpp"
-#include "refuse.hpp"
+#include "request/names.hpp"
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {

@@ -10,7 +10,7 @@
 
 namespace vdwmesh::apps {
 
-// The kind of patch and the curvatures are those of --surface excluded.
+// The kind of patch and the curvatures are those of --surface ses.
 enum class ColorBy {
   element,
   distance,

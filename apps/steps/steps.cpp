@@ -13,7 +13,7 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
-#include "refuse.hpp"
+#include "request/refuse.hpp"
 #include "steps/grid_checks.hpp"
 #include "steps/stopwatch.hpp"
 

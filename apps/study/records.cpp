@@ -15,9 +15,9 @@
 #include "build_id.hpp"
 #include "core/errors.hpp"
 #include "core/fnv.hpp"
-#include "refuse.hpp"
 #include "report/json_text.hpp"
 #include "report/output.hpp"
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 

@@ -94,7 +94,7 @@ void warn_of_surface(Report& report) {
   const double ratio = std::abs(*volume) / report.exact->volume;  // below 0: turned inside out
   report.warn_if(ratio > kOtherVolume,
                  "the mesh has {:.3g} times the exact volume: is it of another surface? --surface "
-                 "excluded is the solvent-excluded one, --probe 1.4 the accessible one",
+                 "ses is the solvent-excluded one, --surface sas the accessible one",
                  ratio);
 }
 

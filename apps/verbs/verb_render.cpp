@@ -9,7 +9,7 @@
 #include "core/errors.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
-#include "refuse.hpp"
+#include "request/refuse.hpp"
 #include "steps/edge_lengths.hpp"
 #include "steps/excluded_steps.hpp"
 #include "steps/picture.hpp"

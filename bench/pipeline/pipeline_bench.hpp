@@ -16,10 +16,17 @@ namespace vdwmesh::apps {
 
 // A stage of the way from file to file; a part of the stage above it; or work beside that way.
 enum class StageKind { stage, part, beside };
+}  // namespace vdwmesh::apps
+
+namespace vdwmesh {
 template <>
-inline constexpr auto kNames<StageKind> = names<StageKind>({{"stage", StageKind::stage},
-                                                            {"part", StageKind::part},
-                                                            {"beside", StageKind::beside}});
+inline constexpr auto kNames<apps::StageKind> =
+    names<apps::StageKind>({{"stage", apps::StageKind::stage},
+                            {"part", apps::StageKind::part},
+                            {"beside", apps::StageKind::beside}});
+}  // namespace vdwmesh
+
+namespace vdwmesh::apps {
 
 struct PipelineBenchOptions {
   std::vector<InputOptions> inputs;

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
-#include "refuse.hpp"
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 

@@ -12,7 +12,7 @@
 #include "batch/batch.hpp"
 #include "call.hpp"
 #include "errors.hpp"
-#include "options.hpp"
+#include "requests.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -43,9 +43,10 @@ class BatchRun {
            std::uint64_t parts, const py::kwargs& given)
       : threads_(given["threads"].cast<std::optional<int>>()) {
     options_.read = read_options_of(given);
-    options_.probe = given["probe"].cast<double>();
-    options_.method = method_of(given["method"].cast<std::string>());
-    options_.topology = topology_of(given["topology"].cast<std::string>());
+    const ExactOptions exact = exact_options_of(given);
+    options_.probe = exact.probe;
+    options_.method = exact.method;
+    options_.topology = exact.topology;
     const SourceOptions of_source{.format = options_.read.format};
     call(threads_, [&](Monitor&) {
       source_ = open_structures(inputs, of_source);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include "../../apps/memory.hpp"
 #include "analysis/comparison.hpp"
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
@@ -16,6 +15,8 @@
 #include "mesh/connect/weld.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh_handle.hpp"
+#include "request/memory_limit.hpp"
+#include "requests.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -64,7 +65,7 @@ py::dict quality(const MeshHandle& h, bool with_self_intersections) {
 // A mesh file; vertices in one place are merged where that closes the mesh, as the program does it.
 py::tuple read_file(const std::string& path) {
   MeshFile file = call({}, [&](Monitor&) {
-    MeshFile read = read_mesh(path, apps::default_memory_limit());
+    MeshFile read = read_mesh(path, default_memory_limit());
     if (read.mesh.triangles.empty()) {
       throw FileFormatError(path + ": holds no triangles; a triangle mesh is needed");
     }
@@ -130,11 +131,14 @@ Compared compare_excluded(const IndexedMesh& mesh, const SphereSet& atoms, doubl
 }
 
 py::dict compare(const MeshHandle& h, const py::buffer& coords, const py::buffer& radii,
-                 double probe, bool excluded, double samples, std::uint64_t seed) {
+                 const std::string& surface, std::optional<double> given, double samples,
+                 std::uint64_t seed) {
+  const bool excluded = is_excluded(surface);
+  const double probe = probe_of(surface, given);
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
   Compared all = call({}, [&](Monitor& monitor) {
     DistanceOptions options;
-    options.samples_per_area = samples;
+    options.samples_per_area = checked_samples(samples, fmt::format("{}", samples), Door::python);
     options.seed = seed;
     options.monitor = &monitor;
     return excluded ? compare_excluded(*h.mesh, spheres_of(centers, sizes, 0), probe, options)
@@ -153,7 +157,9 @@ py::dict compare(const MeshHandle& h, const py::buffer& coords, const py::buffer
 }
 
 Array signed_distance(const py::buffer& points, const py::buffer& coords, const py::buffer& radii,
-                      double probe, bool excluded) {
+                      const std::string& surface, std::optional<double> given) {
+  const bool excluded = is_excluded(surface);
+  const double probe = probe_of(surface, given);
   const Numbers places(points, "points", 2), centers(coords, "coords", 2), sizes(radii, "radii", 1);
   return array_of(call({}, [&](Monitor& monitor) {
     const std::vector<Vec3d> measured = points_of(places);

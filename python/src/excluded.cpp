@@ -6,9 +6,9 @@
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
-#include "devices.hpp"
 #include "excluded/excluded_measurer.hpp"
 #include "excluded/excluded_measures.hpp"
+#include "requests.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -55,8 +55,11 @@ ExcludedMeasures measure_on_device(const SphereSet& atoms, double probe, Monitor
 
 // The measures of the complete surface, of the exterior one, which a device leaves out, and the
 // atoms' shares in the complete one: rows of contact, saddle and concave area, and volume.
-py::tuple excluded(const py::buffer& coords, const py::buffer& radii, double probe, bool topology,
-                   std::optional<int> threads, const std::string& device) {
+py::tuple excluded(const py::buffer& coords, const py::buffer& radii, std::optional<int> threads,
+                   const std::string& device, const py::kwargs& given) {
+  const ExactOptions exact = exact_options_of(given);
+  const double probe = exact.probe;
+  const bool topology = exact.topology == TopologyRequest::full;
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
   const bool on_device = backend_of(device) == Backend::cuda;
   if (on_device && topology) {

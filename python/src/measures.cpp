@@ -5,16 +5,14 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "cuda_array.hpp"
-#include "devices.hpp"
 #include "measures/frame_measures.hpp"
-#include "options.hpp"
+#include "requests.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -24,18 +22,11 @@ using namespace py::literals;
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-const std::map<std::string, UnionMethod, std::less<>> kMethods{{"auto", UnionMethod::automatic},
-                                                               {"cgal", UnionMethod::cgal},
-                                                               {"arcs", UnionMethod::arcs},
-                                                               {"both", UnionMethod::both}};
-
 // What the functions of Python ask for, beside coordinates and radii.
 struct MeasureCall {
   explicit MeasureCall(const py::kwargs& given)
       : unit(given["unit"].cast<double>()),
-        probe(given["probe"].cast<double>()),
-        topology(topology_of(given["topology"].cast<std::string>())),
-        method(method_of(given["method"].cast<std::string>())),
+        exact(exact_options_of(given)),
         per_atom(given["per_atom"].cast<bool>()),
         groups(given["group_count"].cast<std::size_t>()),
         threads(given["threads"].cast<std::optional<int>>()),
@@ -45,9 +36,8 @@ struct MeasureCall {
     if (groups > 0) group = ids_of(given["groups"].cast<py::buffer>());
   }
 
-  double unit, probe;
-  TopologyRequest topology;
-  UnionMethod method;
+  double unit;
+  ExactOptions exact;
   bool per_atom;
   std::size_t groups;                          // 0: sums by group are not wanted
   std::vector<SphereId> group;                 // of each atom
@@ -59,8 +49,8 @@ struct MeasureCall {
 
 // Whether a device can measure what is asked for.
 bool suits_device(const MeasureCall& request) {
-  const bool arcs = method_for(request.method, request.topology) == UnionMethod::arcs;
-  return arcs && request.topology == TopologyRequest::none;
+  return request.exact.method == UnionMethod::arcs &&
+         request.exact.topology == TopologyRequest::none;
 }
 
 // The device's measurer, or null where the CPU is to measure. Throws BackendUnavailable if a device
@@ -81,9 +71,9 @@ std::unique_ptr<UnionMeasurer> measurer_for(const MeasureCall& request) {
 FrameOptions options_of(const MeasureCall& request, const UnionMeasurer* measurer,
                         Monitor& monitor) {
   FrameOptions options;
-  options.measures.method = request.method;
+  options.measures.method = request.exact.method;
   options.measures.monitor = &monitor;
-  options.measures.topology = request.topology;
+  options.measures.topology = request.exact.topology;
   if (request.atoms) options.measures.measured = *request.atoms;
   const bool keep = request.per_atom || request.groups > 0;
   options.per_sphere = keep ? PerSphere::keep : PerSphere::drop;
@@ -142,7 +132,7 @@ void finish(Found& found, const MeasureCall& request) {
 Found measure_all(const Numbers& coords, const Numbers& sizes, const MeasureCall& request,
                   Monitor& monitor) {
   const std::unique_ptr<UnionMeasurer> measurer = measurer_for(request);
-  const std::vector<double> radii = grown_radii(sizes, coords.size(1), request.probe);
+  const std::vector<double> radii = grown_radii(sizes, coords.size(1), request.exact.probe);
   Found found;
   try {
     measure_frames(found.frames, radii, coordinates_of(coords, request.unit),
@@ -226,7 +216,7 @@ py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::k
   Found found = call(request.threads, [&](Monitor& monitor) {
     return measure_all(frames, sizes, request, monitor);
   });
-  return lists_of(std::move(found), request.topology);
+  return lists_of(std::move(found), request.exact.topology);
 }
 
 // The column of the measures (T, N) at `first`.
@@ -257,32 +247,14 @@ py::tuple measure_frames_there(const py::tuple& coords, const py::object& radii,
         "coords: are on a CUDA device, which measures areas and volumes by arcs; for topology and "
         "the other methods copy them to the host");
   }
-  const DeviceFrames balls = frames_of(coords, radii, request.unit, request.probe);
+  const DeviceFrames balls = frames_of(coords, radii, request.unit, request.exact.probe);
   Found found = call(request.threads,
                      [&](Monitor& monitor) { return measure_there(balls, request, monitor); });
   py::object there = columns_there(found, balls.atoms());
-  return py::tuple(lists_of(std::move(found), request.topology) + py::make_tuple(there));
+  return py::tuple(lists_of(std::move(found), request.exact.topology) + py::make_tuple(there));
 }
 
 }  // namespace
-
-UnionMethod method_of(const std::string& name) {
-  const auto found = kMethods.find(name);
-  if (found != kMethods.end()) return found->second;
-  throw InvalidInput(fmt::format("method: {}; there are auto, cgal, arcs and both", name));
-}
-
-const std::string& name_of(UnionMethod method) {
-  for (const auto& [name, value] : kMethods) {
-    if (value == method) return name;
-  }
-  throw InternalError("a method of the exact union without a name");
-}
-
-TopologyRequest topology_of(const std::string& name) {
-  if (name == "none") return TopologyRequest::none;
-  return name == "counts" ? TopologyRequest::counts : TopologyRequest::full;
-}
 
 void bind_measures(py::module_& module) {
   module.def("measure", &measure);

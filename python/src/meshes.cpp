@@ -6,19 +6,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "../../apps/memory.hpp"
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "creases/exact_mesher.hpp"
 #include "cuda_array.hpp"
-#include "devices.hpp"
 #include "excluded/excluded_mesher.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh_handle.hpp"
 #include "refine/patch_refiner.hpp"
+#include "request/memory_limit.hpp"
+#include "requests.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -26,107 +25,46 @@ namespace {
 
 // What vdwmesh.mesh is asked for.
 struct MeshCall {
-  bool excluded = false;  // the solvent-excluded surface, or that of the balls
-  bool exact = true;      // the crease-exact mesher, or marching cubes
-  FieldKind field = FieldKind::vdw;
-  double spacing = 0, edge_length = 0;  // Å
-  std::vector<double> edge_lengths;     // by atom, in place of edge_length; empty: all alike
-  double min_angle = 0;                 // degrees; 0: no bound
-  int subdivisions = 0;
-  Crossings crossings = Crossings::undo;
-  bool normals = true;
-  bool fixed_grid = false;
-  Backend backend = Backend::automatic;
+  explicit MeshCall(const py::kwargs& given)
+      : surface(surface_options_of(given)),
+        probe(probe_of(given["surface"].cast<std::string>(), value_of<double>(given, "probe"))),
+        normals(given["normals"].cast<bool>()),
+        fixed_grid(given["fixed_grid"].cast<bool>()),
+        backend(backend_of(given["device"].cast<std::string>())) {
+    if (backend != Backend::cuda) return;
+    if (surface.min_angle) {
+      throw BackendUnavailable("device: meshes with a min_angle are made on the CPU");
+    }
+    if (is_excluded())
+      throw BackendUnavailable("device: the excluded surface is meshed on the CPU");
+  }
+  bool is_exact() const { return surface.mesher == Mesher::exact; }
+  bool is_excluded() const { return surface.kind == ExactSurface::excluded; }
+
+  SurfaceOptions surface;
+  double probe;  // Å
+  bool normals, fixed_grid;
+  Backend backend;
 };
-
-FieldKind field_of(const std::string& name) {
-  static const std::map<std::string, FieldKind, std::less<>> fields{
-      {"vdw", FieldKind::vdw},
-      {"blinn", FieldKind::blinn},
-      {"soft", FieldKind::soft_object},
-      {"inverse-squared", FieldKind::inverse_squared}};
-  const auto found = fields.find(name);
-  if (found != fields.end()) return found->second;
-  throw InvalidInput(
-      fmt::format("field: {}; there are vdw, blinn, soft and inverse-squared", name));
-}
-
-bool is_excluded(const std::string& surface) {
-  if (surface == "vdw" || surface == "excluded") return surface == "excluded";
-  throw InvalidInput(fmt::format("surface: {}; there are vdw and excluded", surface));
-}
-
-bool is_exact(const std::string& mesher) {
-  if (mesher == "exact" || mesher == "marching-cubes") return mesher == "exact";
-  throw InvalidInput(fmt::format("mesher: {}; there are exact and marching-cubes", mesher));
-}
-
-Crossings crossings_of(const std::string& name) {
-  if (name == "undo" || name == "allow") return name == "undo" ? Crossings::undo : Crossings::allow;
-  throw InvalidInput(fmt::format("crossings: {}; there are undo and allow", name));
-}
-
-// The names are those of vdwmesh.mesh.
-MeshCall request_of(const py::kwargs& given) {
-  MeshCall request;
-  request.excluded = is_excluded(given["surface"].cast<std::string>());
-  request.exact = is_exact(given["mesher"].cast<std::string>());
-  request.field = field_of(given["field"].cast<std::string>());
-  request.spacing = given["spacing"].cast<double>();
-  request.edge_length = given["edge_length"].cast<double>();
-  request.edge_lengths = given["edge_lengths"].cast<std::vector<double>>();
-  request.min_angle = given["min_angle"].cast<double>();
-  request.subdivisions = given["subdivide"].cast<int>();
-  request.crossings = crossings_of(given["crossings"].cast<std::string>());
-  request.normals = given["normals"].cast<bool>();
-  request.fixed_grid = given["fixed_grid"].cast<bool>();
-  request.backend = backend_of(given["device"].cast<std::string>());
-  if (request.exact && request.field != FieldKind::vdw) {
-    throw InvalidInput("field: the exact mesher meshes the union of the balls, field \"vdw\"");
-  }
-  if (request.exact && request.fixed_grid) {
-    throw InvalidInput("fixed_grid: the exact mesher has no grid; marching-cubes has");
-  }
-  if (request.excluded && !request.exact) {
-    throw InvalidInput("mesher: the excluded surface is meshed along its curves, by \"exact\"");
-  }
-  if (request.excluded && !request.edge_lengths.empty()) {
-    throw InvalidInput("edge_length: the excluded surface has one for all atoms");
-  }
-  if (request.min_angle > kLargestMinAngle) {
-    throw InvalidInput(
-        fmt::format("min_angle: {} is above {}", request.min_angle, kLargestMinAngle));
-  }
-  if (request.min_angle > 0 && (request.excluded || !request.exact)) {
-    throw InvalidInput("min_angle: is of the exact mesher and the surface \"vdw\"");
-  }
-  if (request.min_angle > 0 && request.backend == Backend::cuda) {
-    throw BackendUnavailable("device: meshes with a min_angle are made on the CPU");
-  }
-  if (request.excluded && request.backend == Backend::cuda) {
-    throw BackendUnavailable("device: the excluded surface is meshed on the CPU");
-  }
-  return request;
-}
 
 RefineOptions refinement(const MeshCall& request, Monitor& monitor) {
   RefineOptions refine;
-  refine.subdivisions = request.subdivisions;
-  refine.crossings = request.crossings;
-  refine.projection = request.field == FieldKind::vdw ? Projection::vdw : Projection::field;
-  if (request.subdivisions == 0) refine.projection = Projection::none;
-  refine.field.kind = request.field;
-  refine.memory_limit = apps::default_memory_limit();
+  refine.subdivisions = request.surface.subdivisions;
+  refine.crossings = request.surface.crossings;
+  refine.projection = request.surface.projection;
+  refine.field = request.surface.field;
+  refine.memory_limit = default_memory_limit();
   refine.monitor = &monitor;
   return refine;
 }
 
 // It looks at the edge lengths of the request.
 ExactMeshOptions exact_options(const MeshCall& request, Monitor& monitor) {
-  return {.edge_length = request.edge_length,
-          .edge_lengths = request.edge_lengths,
-          .min_angle = request.min_angle,
-          .memory_limit = apps::default_memory_limit(),
+  const SurfaceOptions& surface = request.surface;
+  return {.edge_length = surface.edge_lengths.empty() ? surface.edge_length.value_or(0) : 0,
+          .edge_lengths = surface.edge_lengths,
+          .min_angle = surface.min_angle.value_or(0),
+          .memory_limit = default_memory_limit(),
           .monitor = &monitor};
 }
 
@@ -135,7 +73,7 @@ IndexedMesh mesh_exactly(const SphereSet& spheres, const MeshCall& request, Moni
   const RefineOptions refine = refinement(request, monitor);
   const auto mesher = make_exact_mesher(request.backend);
   IndexedMesh mesh = std::move(mesher->mesh(spheres, exact_options(request, monitor)).mesh);
-  if (request.subdivisions == 0) return mesh;
+  if (request.surface.subdivisions == 0) return mesh;
   return std::move(make_refiner(request.backend)->refine(spheres, std::move(mesh), refine).mesh);
 }
 
@@ -164,8 +102,8 @@ GridSpec at_multiples(GridSpec grid) {
 ExtractOptions extraction(const MeshCall& request, const Box& balls, const Box& centers,
                           Monitor& monitor) {
   ExtractOptions extract;
-  extract.field.kind = request.field;
-  extract.grid = preset_grid(FieldPreset::radius_aware, request.spacing, std::nullopt);
+  extract.field = request.surface.field;
+  extract.grid = request.surface.grid;
   const GridSpec grid = make_grid(balls, centers, extract.grid);
   extract.grid.given = request.fixed_grid ? at_multiples(grid) : grid;
   extract.normals = request.normals ? Normals::gradients : Normals::none;
@@ -183,7 +121,7 @@ IndexedMesh march(const SphereSet& spheres, const MeshCall& request, Monitor& mo
   grid = extract.grid.given;
   const auto pipeline = make_pipeline(request.backend);
   IndexedMesh mesh = std::move(pipeline->run(spheres, extract, refine).mesh);
-  if (mesh.triangles.empty()) throw_too_coarse(least_radius(spheres), request.spacing);
+  if (mesh.triangles.empty()) throw_too_coarse(least_radius(spheres), request.surface.grid.spacing);
   return mesh;
 }
 
@@ -198,13 +136,13 @@ std::vector<MeshHandle> march_many(const SphereBatch& sets, const MeshCall& requ
     extract = extraction(request, bounding_box(own), center_bounding_box(own), monitor);
     grids.push_back(extract.grid);
   }
-  extract.memory_limit = apps::default_memory_limit();
+  extract.memory_limit = default_memory_limit();
   const BatchExtraction made =
       make_batch_extractor(request.backend)->extract({sets, grids}, extract);
   std::vector<MeshHandle> meshes;
   for (std::size_t set = 0; set < made.set_count(); ++set) {
     if (made.size(set).triangles == 0) {
-      throw_too_coarse(least_radius(SphereSet::view(sets.set(set))), request.spacing);
+      throw_too_coarse(least_radius(SphereSet::view(sets.set(set))), request.surface.grid.spacing);
     }
     meshes.push_back(handle_of(made.mesh(set), grids[set].given));
   }
@@ -217,43 +155,44 @@ CudaMesh march_on_device(const DeviceFrames& balls, const MeshCall& request, Mon
   refine.memory_limit = kNoMemoryLimit;
   CudaMesh mesh =
       mesh_on_device(balls, extraction(request, balls.balls(), balls.centers(), monitor), refine);
-  if (mesh.arrays().triangles == 0) throw_too_coarse(balls.least_radius(), request.spacing);
+  if (mesh.arrays().triangles == 0)
+    throw_too_coarse(balls.least_radius(), request.surface.grid.spacing);
   return mesh;
 }
 
 // The atoms do not grow: the probe rolls over them.
-PatchedMesh mesh_excluded_surface(const SphereSet& atoms, double probe, const MeshCall& request,
+PatchedMesh mesh_excluded_surface(const SphereSet& atoms, const MeshCall& request,
                                   Monitor& monitor) {
-  const std::uint64_t limit = apps::default_memory_limit();
-  PatchedMesh mesh = mesh_excluded(atoms, {.probe = probe,
-                                           .edge_length = request.edge_length,
+  const std::uint64_t limit = default_memory_limit();
+  PatchedMesh mesh = mesh_excluded(atoms, {.probe = request.probe,
+                                           .edge_length = request.surface.edge_length.value_or(0),
                                            .memory_limit = limit,
                                            .monitor = &monitor});
-  if (request.subdivisions > 0) {
-    mesh = std::move(
-        refine_patches(
-            atoms, std::move(mesh),
-            {.subdivisions = request.subdivisions, .memory_limit = limit, .monitor = &monitor})
-            .mesh);
+  if (request.surface.subdivisions > 0) {
+    mesh = std::move(refine_patches(atoms, std::move(mesh),
+                                    {.subdivisions = request.surface.subdivisions,
+                                     .memory_limit = limit,
+                                     .monitor = &monitor})
+                         .mesh);
   }
   if (!request.normals) mesh.mesh.normals = {};
   return mesh;
 }
 
-MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
-                std::optional<int> threads, const py::kwargs& given) {
+MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, std::optional<int> threads,
+                const py::kwargs& given) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
-  const MeshCall request = request_of(given);
-  if (request.excluded) {
+  const MeshCall request(given);
+  if (request.is_excluded()) {
     return handle_of(call(threads, [&](Monitor& monitor) {
-      return mesh_excluded_surface(spheres_of(centers, sizes, 0), probe, request, monitor);
+      return mesh_excluded_surface(spheres_of(centers, sizes, 0), request, monitor);
     }));
   }
   return call(threads, [&](Monitor& monitor) {
-    const SphereSet spheres = spheres_of(centers, sizes, probe);
+    const SphereSet spheres = spheres_of(centers, sizes, request.probe);
     std::optional<GridSpec> grid;
-    IndexedMesh mesh = request.exact ? mesh_exactly(spheres, request, monitor)
-                                     : march(spheres, request, monitor, grid);
+    IndexedMesh mesh = request.is_exact() ? mesh_exactly(spheres, request, monitor)
+                                          : march(spheres, request, monitor, grid);
     if (!request.normals) mesh.normals = {};
     return handle_of(std::move(mesh), grid);
   });
@@ -261,12 +200,12 @@ MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
 
 // Meshes of sets that stand one after another: set i has the rows from offsets[i] on.
 std::vector<MeshHandle> mesh_many(const py::buffer& coords, const py::buffer& radii,
-                                  const std::vector<std::size_t>& offsets, double probe,
+                                  const std::vector<std::size_t>& offsets,
                                   std::optional<int> threads, const py::kwargs& given) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
-  const MeshCall request = request_of(given);
+  const MeshCall request(given);
   return call(threads, [&](Monitor& monitor) {
-    const SphereSet spheres = spheres_of(centers, sizes, probe);
+    const SphereSet spheres = spheres_of(centers, sizes, request.probe);
     const std::span<const Sphere> all = spheres.spheres();
     return march_many({.spheres = all.data(), .size = all.size(), .offsets = offsets}, request,
                       monitor);
@@ -281,13 +220,16 @@ void require_valid(const DeviceFrames& balls) {
 }
 
 // The same for coordinates (1, N, 3) in device memory, where the mesh stays.
-CudaMeshHandle mesh_there(const py::tuple& coords, const py::object& radii, double probe,
+CudaMeshHandle mesh_there(const py::tuple& coords, const py::object& radii,
                           std::optional<int> threads, const py::kwargs& given) {
-  const MeshCall request = request_of(given);
-  const DeviceFrames balls = frames_of(coords, radii, 1, probe);
+  const MeshCall request(given);
+  if (request.is_excluded()) {
+    throw BackendUnavailable("surface: the excluded surface is meshed on the CPU");
+  }
+  const DeviceFrames balls = frames_of(coords, radii, 1, request.probe);
   require_valid(balls);
   CudaMesh mesh = call(threads, [&](Monitor& monitor) {
-    if (!request.exact) return march_on_device(balls, request, monitor);
+    if (!request.is_exact()) return march_on_device(balls, request, monitor);
     return exact_mesh_on_device(balls, exact_options(request, monitor),
                                 refinement(request, monitor))
         .mesh;

@@ -13,6 +13,7 @@ PYBIND11_MODULE(_core, module) {
   translate_errors();
   bind_arrays(module);
   bind_cuda_arrays(module);
+  bind_requests(module);
   bind_structures(module);
   bind_measures(module);
   bind_excluded(module);

@@ -17,7 +17,7 @@
 #include "core/errors.hpp"
 #include "core/letters.hpp"
 #include "errors.hpp"
-#include "options.hpp"
+#include "requests.hpp"
 #include "structure/molecule/elements.hpp"
 #include "structure/molecule/site.hpp"
 #include "structure/radii.hpp"
@@ -28,19 +28,6 @@
 
 namespace vdwmesh::python {
 namespace {
-
-StructureFormat format_of(const std::string& name) {
-  static const std::map<std::string, StructureFormat, std::less<>> formats{
-      {"", StructureFormat::by_extension}, {"pdb", StructureFormat::pdb},
-      {"mmcif", StructureFormat::mmcif},   {"cif", StructureFormat::mmcif},
-      {"bcif", StructureFormat::bcif},     {"pqr", StructureFormat::pqr},
-      {"xyzr", StructureFormat::xyzr}};
-  const auto found = formats.find(name);
-  if (found != formats.end()) return found->second;
-  throw InvalidInput(fmt::format("format: {}; there are pdb, mmcif, bcif, pqr and xyzr", name));
-}
-
-Inclusion inclusion_of(bool kept) { return kept ? Inclusion::keep : Inclusion::drop; }
 
 Array column(const Molecule& molecule, ShortText Atom::*member) {
   std::vector<std::string_view> texts;
@@ -236,20 +223,6 @@ std::vector<std::size_t> highest_locations(const std::vector<ForeignAtom>& atoms
 }
 
 }  // namespace
-
-ReadOptions read_options_of(const py::kwargs& given) {
-  ReadOptions options;
-  options.format = format_of(given["format"].cast<std::string>());
-  options.model = given["model"].cast<std::string>();
-  options.assembly = given["assembly"].cast<std::string>();
-  options.radii = given["radii"].cast<std::string>();
-  options.select = given["select"].cast<std::string>();
-  options.altloc = given["altloc"].cast<std::string>();
-  options.waters = inclusion_of(given["waters"].cast<bool>());
-  options.hydrogens = inclusion_of(given["hydrogens"].cast<bool>());
-  options.hetero_atoms = inclusion_of(given["hetatm"].cast<bool>());
-  return options;
-}
 
 void bind_structures(py::module_& module) {
   module.def("read_file", &read_file);

@@ -6,6 +6,7 @@
 
 namespace vdwmesh::python {
 
+void bind_requests(pybind11::module_& module);    // requests.cpp: checks of arguments
 void bind_structures(pybind11::module_& module);  // structures.cpp: files, radii
 void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
 void bind_excluded(pybind11::module_& module);    // excluded.cpp: the solvent-excluded surface

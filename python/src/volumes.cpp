@@ -11,14 +11,14 @@
 #include <cmath>
 #include <cstring>
 
-#include "../../apps/memory.hpp"
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
-#include "devices.hpp"
 #include "mesh_handle.hpp"
+#include "request/memory_limit.hpp"
+#include "requests.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -99,7 +99,7 @@ MeshHandle marching_cubes(const py::buffer& array, double level, const Triple& s
   return handle_of(call(threads, [&](Monitor& monitor) {
     ExtractOptions options;
     options.monitor = &monitor;
-    options.memory_limit = apps::default_memory_limit();
+    options.memory_limit = default_memory_limit();
     Buffer<float> converted;
     const SampledFieldView field{grid_of(volume), values_of(volume, converted, monitor),
                                  static_cast<float>(level)};

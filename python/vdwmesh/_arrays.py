@@ -68,6 +68,11 @@ def file_name(path: str | bytes | os.PathLike[Any]) -> bytes:
     return name
 
 
+def given_number(name: str, value: Any) -> float | None:
+    """A number that may be left out."""
+    return None if value is None else number(name, value)
+
+
 def radius_set(name: str, value: Any) -> bytes:
     """The name of a radius set, or of a file of radii that is there."""
     if isinstance(value, os.PathLike):

@@ -10,7 +10,7 @@ from typing import Any
 
 from vdwmesh import _core
 from vdwmesh._arrays import number, thread_count
-from vdwmesh._measure import topology_request
+from vdwmesh._measure import topology_name
 from vdwmesh._molecule import read_options
 from vdwmesh.errors import InvalidInput
 
@@ -121,7 +121,7 @@ def batch(
         raise InvalidInput(f"probe: {grown} is not finite")
     run = _core.BatchRun(
         [os.fspath(path) for path in inputs], part, parts, threads=workers,
-        probe=grown, topology=topology_request(topology, method), method=method,
+        probe=grown, topology=topology_name(topology), method=method,
         **read_options(
             format, model, assembly, radii, select, altloc,
             waters=waters, hydrogens=hydrogens, hetatm=hetatm,

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import file_name, floats, number, view
-from vdwmesh._excluded import WATER_PROBE
+from vdwmesh._arrays import file_name, floats, given_number, number, view
 from vdwmesh._mesh import Mesh
 from vdwmesh._sources import arrays_of
 from vdwmesh.errors import InvalidInput
@@ -172,7 +171,7 @@ def compare(
     radii: ArrayLike | str | None = None,
     *,
     probe: float | None = None,
-    surface: Literal["vdw", "excluded"] = "vdw",
+    surface: Literal["vdw", "sas", "ses", "excluded"] = "vdw",
     samples: float | None = None,
     seed: int = 1,
 ) -> Comparison:
@@ -202,13 +201,11 @@ def compare(
     """
     centers, sizes, _ = arrays_of(coords, radii)
     density = 10.0 if samples is None else number("samples", samples)
-    if not (density > 0 and np.isfinite(density)):
-        raise InvalidInput(f"samples: {density:g} per Å² is not above 0")
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or not 0 <= seed < 2**64:
         raise InvalidInput(f"seed: {seed!r} is no whole number from 0 to 2^64 - 1")
     handle, notes = _handle(mesh)
-    excluded, radius = _surface(surface, probe)
-    found = _core.compare(handle, centers, sizes, radius, excluded, density, int(seed))
+    radius = given_number("probe", probe)
+    found = _core.compare(handle, centers, sizes, surface, radius, density, int(seed))
     found["face_distance"] = view(found["face_distance"])
     for name in ("mesh_to_surface", "surface_to_mesh"):
         found[name] = DistanceStatistics(**found[name])
@@ -221,7 +218,7 @@ def signed_distance(
     radii: ArrayLike | str | None = None,
     *,
     probe: float | None = None,
-    surface: Literal["vdw", "excluded"] = "vdw",
+    surface: Literal["vdw", "sas", "ses", "excluded"] = "vdw",
 ) -> Floats:
     """Distance of points to the exact surface, Å: positive outside, negative inside.
 
@@ -249,16 +246,7 @@ def signed_distance(
     """
     centers, sizes, _ = arrays_of(coords, radii)
     places = floats("points", points, "(P, 3)")
-    excluded, radius = _surface(surface, probe)
-    return view(_core.signed_distance(places, centers, sizes, radius, excluded))
-
-
-def _surface(surface: str, probe: float | None) -> tuple[bool, float]:
-    """Whether the excluded surface is meant, and the radius of the probe, Å."""
-    if surface not in ("vdw", "excluded"):
-        raise InvalidInput(f"surface: {surface!r}; there are vdw and excluded")
-    excluded = surface == "excluded"
-    return excluded, number("probe", (WATER_PROBE if excluded else 0.0) if probe is None else probe)
+    return view(_core.signed_distance(places, centers, sizes, surface, given_number("probe", probe)))
 
 
 def _handle(mesh: Any) -> tuple[_core.MeshHandle, list[str]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
+from vdwmesh import _core
 from vdwmesh._arrays import chosen
 from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, HasCudaArray
 from vdwmesh._excluded import ExcludedMeasures, measure_excluded
@@ -63,7 +64,7 @@ def exact(
     coords: Any,
     radii: ArrayLike | HasCudaArray | str | None = None,
     *,
-    surface: Literal["vdw"] = "vdw",
+    surface: Literal["vdw", "sas"] = "vdw",
     probe: float | None = None,
     atoms: ArrayLike | None = None,
     topology: bool | str = False,
@@ -76,7 +77,7 @@ def exact(
     coords: Any,
     radii: ArrayLike | str | None = None,
     *,
-    surface: Literal["excluded"],
+    surface: Literal["ses", "excluded"],
     probe: float | None = None,
     atoms: None = None,
     topology: bool = False,
@@ -105,18 +106,19 @@ def exact(
         device where it lies.
     radii : array_like, shape (N,), or the name of a set (as of `read`) or a path, optional
         Radii, Å. A molecule brings its own. Beside coordinates on a device they may be there too.
-    surface : {"vdw", "excluded"}
-        "excluded" measures the solvent-excluded surface of the atoms instead; `atoms` and `method`
-        are not of it.
+    surface : {"vdw", "sas", "ses"}
+        "sas" is the solvent-accessible surface: the same with a probe of 1.4 unless `probe` is given.
+        "ses" measures the solvent-excluded surface of the atoms instead (also "excluded"); `atoms`
+        and `method` are not of it.
     probe : float, optional
         Added to every radius, Å; 0 by default, and not 1.4 as of `sasa`. With 1.4 the area is the
         solvent-accessible one. Of
         the excluded surface the radius of the probe, 1.4 by default.
     atoms : array_like, mask (N,) or indices, optional
         Only these are measured, while all others still bury them.
-    topology : bool or "counts"
-        Whether components, tunnels and voids are computed too, which takes longer. "counts" are
-        components and Euler characteristic alone, which cost next to nothing.
+    topology : bool, or {"full", "counts", "off"}
+        Whether components, tunnels and voids are computed too (True is "full"), which takes longer.
+        "counts" are components and Euler characteristic alone, which cost next to nothing.
     method : {"auto", "cgal", "arcs", "both"}
         "cgal": regular triangulation and dual complex (Edelsbrunner 1995). "arcs": each sphere by
         the arcs on it, area and volume only. "both": the one checks the other. "auto": "cgal" for
@@ -148,18 +150,18 @@ def exact(
     >>> round(union.area, 6), round(union.volume, 6)  # 6 pi, 9/4 pi
     (18.849556, 7.068583)
     """
-    if surface == "excluded":
-        if atoms is not None or method != "auto":
-            raise InvalidInput('surface: "excluded" has neither atoms nor a method')
-        return measure_excluded(*arrays_of(coords, radii)[:2], probe, topology, threads, device)
-    if surface != "vdw":
-        raise InvalidInput(f"surface: {surface!r}; there are vdw and excluded")
+    if _core.is_excluded(surface):
+        if atoms is not None:
+            raise InvalidInput(f'atoms: does not go with surface="{surface}"; leave one of them out')
+        arrays = arrays_of(coords, radii)[:2]
+        return measure_excluded(*arrays, probe, topology, threads, device, method=method)
     centers, sizes, _ = arrays_anywhere(coords, radii, device)
     options = Options.of(
-        0.0 if probe is None else probe,
+        probe,
         topology,
         threads,
         device,
+        surface=surface,
         atoms=chosen("atoms", atoms, len(centers)),
         method=method,
         per_atom=True,

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vdwmesh import _core
-from vdwmesh._arrays import number, thread_count, view
-from vdwmesh.errors import InvalidInput
+from vdwmesh._arrays import given_number, thread_count, view
+from vdwmesh._measure import topology_name
 
 if TYPE_CHECKING:
     from vdwmesh._types import Floats
-
-WATER_PROBE = 1.4  # Å
 
 
 @dataclass(frozen=True)
@@ -116,21 +114,19 @@ class ExcludedMeasures(ExcludedSurface):
 
 
 def measure_excluded(
-    centers: Any, sizes: Any, probe: float | None, topology: Any, threads: Any, device: str
+    centers: Any, sizes: Any, probe: Any, topology: Any, threads: Any, device: str, **others: Any
 ) -> ExcludedMeasures:
     """The excluded surface of atoms that have been brought into form."""
-    radius = WATER_PROBE if probe is None else number("probe", probe)
-    if topology not in (True, False):
-        raise InvalidInput(f"topology: {topology!r}; the excluded surface knows True and False")
+    options = {"probe": given_number("probe", probe), "topology": topology_name(topology), **others}
     complete, exterior, rows = _core.excluded(
-        centers, sizes, radius, bool(topology), thread_count(threads), device
+        centers, sizes, thread_count(threads), device, surface="ses", **options
     )
     shares = view(rows)
     area = shares[:, :3].sum(axis=1)
     area.flags.writeable = False
     return ExcludedMeasures(
         **_surface(complete),
-        probe=radius,
+        probe=_core.probe_of("ses", options["probe"]),
         exterior=None if exterior is None else ExcludedSurface(**_surface(exterior)),
         atom_area=area,
         atom_contact_area=shares[:, 0],

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
 
-from vdwmesh import _tables
+from vdwmesh import _core, _tables
 from vdwmesh._arrays import chosen
 from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
 from vdwmesh._excluded import measure_excluded
@@ -88,17 +88,16 @@ def frames(
         numbers.
     select : str, mask (N,) or indices, optional
         Only these atoms are there. A string is in the language of MDAnalysis or mdtraj.
-    surface : {"vdw", "excluded"}
-        "excluded" measures the solvent-excluded surface of each frame, one after another, without
+    surface : {"vdw", "sas", "ses"}
+        As for `exact`; "ses" measures the solvent-excluded surface of each frame, one after another, without
         `atoms` and `topology`.
     probe : float, optional
-        Å; as for `exact` 0 by default, and 1.4 of the excluded surface. `sasa` alone has 1.4 for the
-        accessible surface: say ``probe=1.4`` for that here.
+        Å; as for `exact` 0 by default, and 1.4 of the surfaces "sas" and "ses".
     threads
         As for `exact`.
     atoms : array_like, mask (N,) or indices, optional
         Of the selected atoms only these are measured, while all others still bury them.
-    topology : bool or "counts"
+    topology : bool, or {"full", "counts", "off"}
         As for `exact`.
     per_atom : bool
         Whether areas and volumes of the atoms are kept.
@@ -134,18 +133,14 @@ def frames(
     2 8.0 2
     """
     size = chunk_size(chunk)
-    if surface not in ("vdw", "excluded"):
-        raise InvalidInput(f"surface: {surface!r}; there are vdw and excluded")
-    if surface == "excluded":
-        if atoms is not None or topology:
+    if _core.is_excluded(surface):
+        if atoms is not None or topology not in (False, "off"):
             raise InvalidInput("surface: atoms and topology of frames are not of the excluded surface")
         given = trajectory_of(traj, select, Window.of(start, stop, step))
         if is_on_device(given.atoms.coords):
             raise InvalidInput("surface: the excluded surface of frames is measured on the host")
         return _excluded(given, _radii(radii, given), probe, bool(per_atom), threads, device)
-    options = Options.of(
-        0.0 if probe is None else probe, topology, threads, device, per_atom=bool(per_atom)
-    )
+    options = Options.of(probe, topology, threads, device, surface=surface, per_atom=bool(per_atom))
     given = trajectory_of(traj, select, Window.of(start, stop, step))
     sizes = _radii(radii, given)
     options = replace(

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vdwmesh import _core
-from vdwmesh._arrays import number, thread_count, view
+from vdwmesh._arrays import given_number, thread_count, view
 from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, packed
-from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
     from vdwmesh._types import Floats, Ids, NDArray
@@ -102,7 +101,7 @@ class Options:
     """Options of the measures, checked; those of a whole trajectory, whatever its parts."""
 
     probe: float
-    topology: str  # "none", "counts" or "full"
+    topology: str  # "off", "counts" or "full"
     threads: int | None
     device: str
     atoms: Ids | None = None
@@ -114,21 +113,18 @@ class Options:
     balls: int = 0  # in all frames
 
     @staticmethod
-    def of(probe: Any, topology: Any, threads: Any, device: str, **others: Any) -> Options:
+    def of(
+        probe: Any, topology: Any, threads: Any, device: str, *, surface: str = "vdw", **others: Any
+    ) -> Options:
         """From the arguments of the functions that users call."""
-        request = topology_request(topology, others.get("method", "auto"))
-        return Options(number("probe", probe), request, thread_count(threads), device, **others)
+        named = {"topology": topology_name(topology), "method": others.pop("method", "auto")}
+        checked = _core.settle_measures(surface=surface, probe=given_number("probe", probe), **named)
+        return Options(threads=thread_count(threads), device=device, **checked, **others)
 
 
-def topology_request(topology: Any, method: str = "auto") -> str:
-    """The argument `topology`: False, True, which the method must know, or "counts"."""
-    if isinstance(topology, str):
-        if topology != "counts":
-            raise InvalidInput(f'topology: {topology!r}; there are False, True and "counts"')
-        return topology
-    if topology and method == "arcs":
-        raise InvalidInput('topology: True needs the triangulation, which "arcs" do without; leave out method')
-    return "full" if topology else "none"
+def topology_name(topology: Any) -> str:
+    """The argument `topology`: a name, or a truth value for "full" and "off"."""
+    return topology if isinstance(topology, str) else "full" if topology else "off"
 
 
 def _void(lining: list[int], **others: Any) -> Void:

@@ -11,17 +11,14 @@ from typing import TYPE_CHECKING, Any, Iterable, Iterator
 import numpy as np
 
 from vdwmesh import _core, _sinks
-from vdwmesh._arrays import floats, number, thread_count, view
+from vdwmesh._arrays import floats, given_number, number, thread_count, view
 from vdwmesh._cuda import CudaInput, CudaMesh, HasCudaArray, packed
-from vdwmesh._excluded import WATER_PROBE
 from vdwmesh._sources import arrays_anywhere, arrays_of
-from vdwmesh.errors import BackendUnavailable, InvalidInput
+from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, Ids, NDArray
 
-
-_DEFAULTS: dict[str, Any] = {"spacing": 0.5, "edge_length": 0.35, "crossings": "undo"}
 
 PATCH_KINDS = ("contact", "saddle", "concave")
 
@@ -192,7 +189,7 @@ def mesh(
     *,
     probe: float | None = None,
     surface: str = "vdw",
-    mesher: str = "exact",
+    mesher: str | None = None,
     field: str = "vdw",
     spacing: float | None = None,
     edge_length: float | ArrayLike | None = None,
@@ -212,14 +209,15 @@ def mesh(
         As for `exact`. From coordinates in the memory of a CUDA device the mesh is made there, and
         stays there as `Mesh.cuda`. The exact mesher copies the atoms to the host, which does its part.
     probe : float, optional
-        Radius of a probe, Å. Balls grow by it, by default by nothing; over the atoms of the
-        solvent-excluded surface it rolls, with a radius of 1.4 by default.
-    surface : {"vdw", "excluded"}
-        The boundary of the balls, or the solvent-excluded surface, whose mesh follows the curves
-        between its patches (`Mesh.face_patches`).
-    mesher : {"exact", "marching-cubes"}
+        Radius of a probe, Å. Balls grow by it, by default by nothing, and for "sas" by 1.4; over the
+        atoms of the solvent-excluded surface it rolls, with a radius of 1.4 by default.
+    surface : {"vdw", "sas", "ses"}
+        The boundary of the balls, the accessible surface, or the solvent-excluded surface (also
+        "excluded"), whose mesh follows the curves between its patches (`Mesh.face_patches`).
+    mesher : {"exact", "marching-cubes"}, optional
         "exact" follows the creases between the spheres and has the topology of the union;
-        "marching-cubes" walks a grid.
+        "marching-cubes" walks a grid. By default "exact", but with spacing, fixed_grid or a blended
+        field, which marching cubes alone have.
     field : {"vdw", "blinn", "soft", "inverse-squared"}
         Of marching cubes: the union of the balls, or a blended field.
     spacing : float, optional
@@ -267,28 +265,25 @@ def mesh(
     centers, sizes, _ = arrays_anywhere(coords, radii, device)
     if isinstance(subdivide, bool) or not isinstance(subdivide, (int, np.integer)) or subdivide < 0:
         raise InvalidInput(f"subdivide: {subdivide!r} is no number of levels")
-    _refuse_vain(mesher, int(subdivide), spacing, edge_length, crossings)
     options: dict[str, Any] = {
         "surface": surface,
+        "probe": given_number("probe", probe),
         "mesher": mesher,
         "field": field,
-        "spacing": _positive("spacing", _DEFAULTS["spacing"] if spacing is None else spacing),
-        **_edge_lengths(_DEFAULTS["edge_length"] if edge_length is None else edge_length, len(sizes)),
-        "min_angle": 0.0 if min_angle is None else _positive("min_angle", min_angle),
+        "spacing": _positive("spacing", spacing),
+        **_edge_lengths(edge_length, len(sizes)),
+        "min_angle": _positive("min_angle", min_angle),
         "subdivide": int(subdivide),
-        "crossings": _DEFAULTS["crossings"] if crossings is None else crossings,
+        "crossings": crossings,
         "normals": bool(normals),
         "fixed_grid": bool(fixed_grid),
         "device": device,
     }
-    default = WATER_PROBE if surface == "excluded" else 0.0
-    grown, cores = default if probe is None else number("probe", probe), thread_count(threads)
+    cores = thread_count(threads)
     if isinstance(centers, CudaInput):
-        if surface != "vdw":
-            raise BackendUnavailable("surface: the excluded surface is meshed on the CPU")
         there = centers.as_frames().packed
-        return Mesh._of(_core.mesh_on_device(there, packed(sizes), grown, cores, **options))
-    return Mesh._of(_core.mesh(centers, sizes, grown, cores, **options))
+        return Mesh._of(_core.mesh_on_device(there, packed(sizes), cores, **options))
+    return Mesh._of(_core.mesh(centers, sizes, cores, **options))
 
 
 def mesh_many(
@@ -339,40 +334,23 @@ def mesh_many(
     given = list(molecules)
     options: dict[str, Any] = {
         "surface": "vdw",
+        "probe": number("probe", probe),
         "mesher": "marching-cubes",
         "field": field,
         "spacing": _positive("spacing", spacing),
-        "edge_length": 0.0,
-        "edge_lengths": [],
-        "min_angle": 0.0,
-        "subdivide": 0,
-        "crossings": "undo",
         "normals": bool(normals),
         "fixed_grid": bool(fixed_grid),
         "device": device,
     }
-    grown, cores = number("probe", probe), thread_count(threads)
+    cores = thread_count(threads)
     if not given:
         return []
     sets = zip(given, _radii_of_each(radii, len(given)))
     arrays = [_atoms_of(i, one, own) for i, (one, own) in enumerate(sets)]
     offsets = np.cumsum([0, *(len(sizes) for _, sizes in arrays)]).tolist()
     centers, sizes = (np.concatenate([pair[k] for pair in arrays]) for k in (0, 1))
-    made = _core.mesh_many(centers, sizes, offsets, grown, cores, **options)
+    made = _core.mesh_many(centers, sizes, offsets, cores, **options)
     return [Mesh._of(one) for one in made]
-
-
-def _refuse_vain(mesher: str, levels: int, spacing: Any, edge_length: Any, crossings: Any) -> None:
-    """Raises for an argument that the mesher has no use for."""
-    exact = mesher != "marching-cubes"
-    if exact and spacing is not None:
-        raise InvalidInput('spacing: the exact mesher has no grid; add mesher="marching-cubes", or give edge_length')
-    if not exact and edge_length is not None:
-        raise InvalidInput("edge_length: is of the exact mesher; marching cubes take spacing")
-    if exact and crossings is not None:
-        raise InvalidInput('crossings: the exact mesher makes none; leave it out, or add mesher="marching-cubes"')
-    if crossings is not None and levels == 0:
-        raise InvalidInput("crossings: come of the moves after a subdivision; leave it out, or add subdivide=1")
 
 
 def _radii_of_each(radii: Any, count: int) -> list[Any]:
@@ -395,19 +373,19 @@ def _atoms_of(i: int, molecule: Any, radii: Any) -> tuple[NDArray[Any], NDArray[
 
 
 def _edge_lengths(value: Any, atoms: int) -> dict[str, Any]:
-    if np.ndim(value) == 0:
-        return {"edge_length": _positive("edge_length", value), "edge_lengths": []}
+    if value is None or np.ndim(value) == 0:
+        return {"edge_length": _positive("edge_length", value)}
     lengths = floats("edge_length", value, "(N,)").astype(np.float64)
     if len(lengths) != atoms:
         raise InvalidInput(f"edge_length: has {len(lengths)} values for {atoms} atoms")
     if not (np.isfinite(lengths) & (lengths > 0)).all():
         raise InvalidInput("edge_length: has values that are not above 0")
-    return {"edge_length": 0.0, "edge_lengths": lengths}
+    return {"edge_lengths": lengths}
 
 
-def _positive(name: str, value: Any) -> float:
-    found = number(name, value)
-    if not (found > 0 and np.isfinite(found)):
+def _positive(name: str, value: Any) -> float | None:
+    found = given_number(name, value)
+    if found is not None and not (found > 0 and np.isfinite(found)):
         raise InvalidInput(f"{name}: {found:g} is not above 0")
     return found
 

@@ -172,7 +172,7 @@ def read_options(
 ) -> dict[str, Any]:
     """The arguments of `read` as the C++ side takes them."""
     return {
-        "format": format or "",
+        "format": format or None,
         "model": raw(str(model)),
         "assembly": raw("asymmetric" if assembly is None else str(assembly)),
         "radii": b"" if radii is None else radius_set("radii", _given("radii", radii)),
@@ -215,7 +215,7 @@ def sample(name: str = "ubiquitin", *, radii: str | os.PathLike[str] = "bondi") 
     """
     return _molecule(
         _core.read_sample(
-            name, format="", model="first", assembly="asymmetric", radii=radius_set("radii", radii), select="",
+            name, format=None, model="first", assembly="asymmetric", radii=radius_set("radii", radii), select="",
             altloc="highest", waters=False, hydrogens=True, hetatm=True,
         )  # fmt: skip
     )

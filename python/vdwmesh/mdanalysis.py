@@ -141,7 +141,7 @@ class SurfaceAnalysis(AnalysisBase):  # type: ignore[misc]
             self.results[name] = np.array(rows)
         if not self._per_atom:
             self.results.atom_area = None
-        if self._options.topology == "none":
+        if self._options.topology == "off":
             self.results.euler_characteristic = None
 
 

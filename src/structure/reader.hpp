@@ -58,7 +58,7 @@ struct ReadOptions {
   // others, and "bondi" for other files. Sets of united atoms drop the hydrogens, as part of the
   // atoms that they are bonded to.
   std::string radii;
-  // Asked now and then whether to stop. gemmi's part of the reading of a PDB file is one step.
+  // Asked now and then whether to stop.
   Monitor* monitor = nullptr;
 };
 

@@ -20,6 +20,11 @@ SANITIZED = "VDWMESH_SANITIZED" in os.environ  # the program, which takes more t
 DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
 
 
+# Options that help does not show, because measurements of the authors alone turn them.
+UNSEEN = {"--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
+          "--camera", "--shading", "--antialias", "--rows", "--time-limit", "--page-triangles"}  # fmt: skip
+
+
 def is_required(variable):
     """An unset variable, an empty one and "0" require nothing."""
     return os.environ.get(variable, "") not in ("", "0")

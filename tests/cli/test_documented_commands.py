@@ -8,7 +8,7 @@ import shlex
 import unittest
 
 from documented import commands, pieces
-from program import SOURCE_DIR, run
+from program import SOURCE_DIR, UNSEEN, run
 
 DOCUMENTS = sorted({*SOURCE_DIR.glob("*.md"), *(SOURCE_DIR / "docs").glob("**/*.md"),
                     *(SOURCE_DIR / "bench").glob("*.md")})  # fmt: skip
@@ -18,7 +18,7 @@ PROSE = {"--version", "--help", "VERB"}
 
 
 class Helps:
-    """What --help says of the verbs: options, each with the names that it takes, or None."""
+    """What --help-all says of the verbs: options, each with the names that it takes, or None."""
 
     def __init__(self):
         self.texts = {}
@@ -34,7 +34,7 @@ class Helps:
         text = self.text(program, verb)
         if text is None:
             return None
-        options = {"--help": set(), "-h": set()}
+        options = dict.fromkeys({"--help", "--help-all", "-h", *UNSEEN}, set())
         for entry in re.findall(r"^  (-\S.*(?:\n {32}.*)*)", text, re.M):
             names = re.match(r"((?:-[\w-]+,? ?)+)", entry)[1].replace(",", "").split()
             plain = re.sub(r"\s+", " ", entry)
@@ -46,7 +46,7 @@ class Helps:
 def help_of(program, verb):
     """Of vdwmesh-mpi the man page has it, since that program needs mpirun; it is made from the same list."""
     if program == "vdwmesh":
-        result = run(verb, "--help")
+        result = run(verb, "--help-all")
         return result.stdout if result.returncode == 0 else None
     page = RANKS_PAGE.with_name(f"vdwmesh-mpi-{verb}.1")
     if not page.exists():

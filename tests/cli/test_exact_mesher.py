@@ -178,7 +178,7 @@ class ExactMesher(ProgramTest):
         self.assert_refused(1, *ubiquitin, "--min-angle", "26", says=("--min-angle 26", "at most 25"))
         self.assert_refused(1, *ubiquitin, "--min-angle", "0", says=("--min-angle",))
         self.assert_refused(1, *ubiquitin, "--min-angle", "20", "--spacing", "1", says=("--mesher exact", "--spacing"))
-        self.assert_refused(1, *ubiquitin, "--min-angle", "20", "--surface", "excluded", says=("--surface excluded",))
+        self.assert_refused(1, *ubiquitin, "--min-angle", "20", "--surface", "excluded", says=("--surface ses",))
 
     def test_says_how_many_angles_stay_below_their_floors(self):
         # Balls whose spheres all but share a circle, and one that cuts them there: near_pencil() of

@@ -28,8 +28,8 @@ def plain(text):
 
 
 def entries(verb):
-    """Names of every option of --help with its value, and what it means, in one line each."""
-    text = run(verb, "--help").stdout
+    """Names of every option of --help-all with its value, and what it means, in one line each."""
+    text = run(verb, "--help-all").stdout
     found = re.findall(r"^  (\S.*(?:\n {32}.*)*)", text, re.M)
     for entry in found:
         names, meaning = re.match(r"(\S+(?: \S+)*)(?:  +|\n +)(.*)", entry, re.S).groups()

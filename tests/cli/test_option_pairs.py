@@ -15,7 +15,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import program
-from program import NO_BACKEND, PROGRAM, ProgramTest, missing, run
+from program import NO_BACKEND, PROGRAM, UNSEEN, ProgramTest, missing, run
 
 TABLE = pathlib.Path(__file__).with_name("option_pairs.csv")
 VERBS = ("mesh", "report", "exact", "compare", "render", "study", "batch", "info")
@@ -68,8 +68,8 @@ def rows():
 
 
 def options_of(verb):
-    """The long names that --help lists."""
-    text = run(*verb.split("-"), "--help").stdout
+    """The long names that --help-all lists."""
+    text = run(*verb.split("-"), "--help-all").stdout
     return set(re.findall(r"^  (?:-\w, )?(--[a-z-]+)", text, re.M))
 
 
@@ -130,9 +130,20 @@ class Made:
 class OptionPairs(ProgramTest):
     def test_every_pair_is_in_the_table(self):
         listed = {(verb, option) for verb, option, *_ in rows()}
-        there = {(verb, option) for verb in VERBS for option in options_of(verb) - {"--help"}}
-        self.assertEqual(listed - there, set())
+        there = {(verb, option) for verb in VERBS for option in options_of(verb) - {"--help", "--help-all"}}
+        self.assertEqual({(verb, option) for verb, option in listed - there if option not in UNSEEN}, set())
         self.assertEqual(there - listed, set())
+        self.assertEqual({option for _, option in there} & UNSEEN, set())
+
+    def test_help_is_short_and_help_of_all_is_not_long(self):
+        shown = set()
+        for verb in VERBS:
+            usual = re.findall(r"^  (?:-\w, )?(--[a-z-]+)", run(*verb.split("-"), "--help").stdout, re.M)
+            self.assertLessEqual(len(usual), 20, verb)
+            self.assertLessEqual(set(usual), options_of(verb))
+            if not verb.startswith("bench"):
+                shown |= options_of(verb)
+        self.assertLessEqual(len(shown), 50)
 
     def test_none_vanishes(self):
         all_rows = list(rows())

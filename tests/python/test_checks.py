@@ -99,8 +99,11 @@ class SignedDistanceTest(unittest.TestCase):
         np.testing.assert_allclose(found, [-waist, 0, 1, math.sqrt(85) - 2, 1, max(-1, torus)], atol=1e-12)
         water = vdwmesh.signed_distance([[0, 0, 0]], coords, radii, surface="excluded")
         np.testing.assert_allclose(water, [1.4 - math.sqrt(3.4**2 - 4)], atol=1e-12)
-        with self.assertRaisesRegex(ValueError, "surface: 'sas'"):
-            vdwmesh.signed_distance(points, coords, radii, surface="sas")
+        accessible, grown = (vdwmesh.signed_distance(points, coords, radii, **options)
+                             for options in ({"surface": "sas"}, {"probe": 1.4}))  # fmt: skip
+        np.testing.assert_array_equal(accessible, grown)
+        with self.assertRaisesRegex(ValueError, "surface: msms: not known; choose vdw, sas or ses; did you mean ses"):
+            vdwmesh.signed_distance(points, coords, radii, surface="msms")
 
     def test_wrong_points_are_named(self):
         for points in ([[0, 0]], [[0, 0, math.nan]], [], "x"):

@@ -269,7 +269,7 @@ class MeshesTest(unittest.TestCase):
             for one in vdwmesh.meshes(self.places, radii=[1.5, 1.7]):
                 found.append(one.frame)
         self.assertEqual(found, [0, 1])
-        with self.assertRaisesRegex(ValueError, "fixed_grid: the exact mesher has no grid"):
+        with self.assertRaisesRegex(ValueError, 'fixed_grid: mesher="exact" has no grid'):
             list(vdwmesh.meshes(self.places, radii=[1, 1], mesher="exact", fixed_grid=True))
 
 

@@ -169,7 +169,10 @@ class MeshTest(unittest.TestCase):
                 with self.assertRaisesRegex(ValueError, "radii" if "probe" in options else next(iter(options))):
                     vdwmesh.mesh([[0, 0, 0]], [1.0], **{"mesher": "marching-cubes", **options})
         with self.assertRaisesRegex(ValueError, "field"):
-            vdwmesh.mesh([[0, 0, 0]], [1.0], field="blinn")
+            vdwmesh.mesh([[0, 0, 0]], [1.0], mesher="exact", field="blinn")
+        by_spacing, by_name = (vdwmesh.mesh([[0, 0, 0]], [1.0], **options)
+                               for options in ({"spacing": 0.4}, {"spacing": 0.4, "mesher": "marching-cubes"}))  # fmt: skip
+        np.testing.assert_array_equal(by_spacing.vertices, by_name.vertices)
         with self.assertRaisesRegex(ValueError, "spacing: 50 is too coarse"):
             vdwmesh.mesh([[0.3, 0.2, 0.1]], [1.0], mesher="marching-cubes", spacing=50)
 

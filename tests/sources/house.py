@@ -92,10 +92,10 @@ class House:
 
 
 def options(program):
-    """How many options `--help` of the verbs shows."""
+    """How many options `--help-all` of the verbs shows."""
     run = lambda *words: subprocess.run([program, *words], capture_output=True, text=True, check=True).stdout  # noqa: E731
     verbs = re.findall(r"^  ([a-z]+)  ", run("--help"), re.M)
-    return len({name for verb in verbs for name in re.findall(r"(?<![\w-])--[a-z][\w-]*", run(verb, "--help"))})
+    return len({name for verb in verbs for name in re.findall(r"(?<![\w-])--[a-z][\w-]*", run(verb, "--help-all"))})
 
 
 def main(arguments):

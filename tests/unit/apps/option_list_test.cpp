@@ -62,7 +62,7 @@ TEST(OptionList, DefaultsAreValuesOfTheirOptions) {
     if (option.absence.meaning != Absence::Meaning::value) continue;
     EXPECT_NO_THROW(option.reader.read(option.short_name(), option.absence.text)) << option.name;
   }
-  EXPECT_EQ(draft.options.surface.edge_length, 0.35);
+  EXPECT_EQ(draft.measure.surface, SurfaceChoice::vdw);
 }
 
 TEST(OptionList, WhatCompletionOffersIsAValueOfTheOption) {
