@@ -18,7 +18,6 @@
 #include "core/sum.hpp"
 #include "excluded/patches/atom_shares.hpp"
 #include "excluded/patches/patch_records.hpp"
-#include "excluded/patches/saddle.hpp"
 #include "excluded/probes/excluded_shells.hpp"
 #include "excluded/probes/grown_atoms.hpp"
 #include "measures/measures.hpp"

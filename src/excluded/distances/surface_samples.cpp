@@ -9,7 +9,6 @@
 #include <cmath>
 
 #include "analysis/distances/distances_samples.hpp"
-#include "excluded/patches/saddle.hpp"
 #include "spheres/directions.hpp"
 
 namespace vdwmesh::excluded {

@@ -204,7 +204,7 @@ inline constexpr double kLeastArc = 1e-10;  // of the largest of the two balls
 struct ShapeArcs {
   Balls balls;
   const Arc* arcs;
-  const Corner* corners;
+  const ProbeCorner* corners;
   ArcShape* shapes;
   FailedSets sets;
 
@@ -213,7 +213,7 @@ struct ShapeArcs {
     if (sets.has(arc.ball[0])) return;
     shapes[i] = arc_shape(balls, corners, arc);
     const double a = balls.grown[arc.ball[0]].radius, b = balls.grown[arc.ball[1]].radius;
-    if (!(shapes[i].angle * shapes[i].radius > kLeastArc * (a > b ? a : b))) {
+    if (!(shapes[i].angle * shapes[i].circle_radius > kLeastArc * (a > b ? a : b))) {
       sets.put(arc.ball[0]);
     }
   }

@@ -7,12 +7,16 @@
 // An arc is named by the balls that cover the circle before and behind it.
 //
 // Nothing is decided that rounding could turn around: a circle on which two ends of intervals are
-// nearly one point where an arc ends, or which a ball nearly touches, is left undecided.
+// nearly one point where an arc ends, or which a ball nearly touches, is left undecided. The
+// circles of caps on a probe (cap_arrangement.hpp) are cut in the same way, but their decisions are
+// made whatever their margins: a circle of balls has its arcs from the dual complex if double does
+// not do.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 
+#include "excluded/patches/cap_arrangement.hpp"
 #include "spheres/directions.hpp"
 #include "spheres/sphere_set.hpp"
 
@@ -59,12 +63,6 @@ struct CircleInterval {
 };
 
 enum class Cover : std::uint8_t { none, part, whole, grazing };
-
-// Takes the place of the angle of a point about the origin: rises from 0 to 4 in a whole turn.
-VDWMESH_HD inline double turn_of(double x, double y) {
-  const double part = x / (std::abs(x) + std::abs(y));
-  return y < 0 ? 3 + part : 1 - part;
-}
 
 // How ball k lies over the circle: d and q of the comment at the top.
 struct BallOverCircle {
@@ -136,28 +134,18 @@ struct CircleCover {
       visit(kNone, kNone, 4.0);
       return;
     }
-    // Goes around twice. After the first turn, `reach` is the farthest end of all intervals that
-    // have begun.
-    int farthest = -1;
-    double reach = 0;
-    for (int step = 0; step < 2 * count; ++step) {
-      const bool second = step >= count;
-      const int i = second ? step - count : step;
-      const CircleInterval& c = interval[i];
-      const double start = second ? c.from + 4 : c.from;
-      if (second && std::abs(start - reach) <= c.slack + interval[farthest].slack) {
-        is_doubtful = true;
-      } else if (second && start > reach) {
-        is_doubtful = is_doubtful || is_grazed || is_near_other(farthest, i);
-        visit(interval[farthest].ball, c.ball, start - reach);
-      }
-      double stop = second ? c.to + 4 : c.to;
-      if (stop < start) stop += 4;
-      if (farthest < 0 || stop > reach) {
-        reach = stop;
-        farthest = i;
-      }
-    }
+    visit_gaps(
+        static_cast<std::size_t>(count), [this](std::size_t i) { return interval[i].from; },
+        [this](std::size_t i) { return interval[i].to; },
+        [&](std::size_t before, std::size_t behind, double gap) {
+          if (std::abs(gap) <= interval[behind].slack + interval[before].slack) {
+            is_doubtful = true;
+          } else if (gap > 0) {
+            is_doubtful = is_doubtful || is_grazed ||
+                          is_near_other(static_cast<int>(before), static_cast<int>(behind));
+            visit(interval[before].ball, interval[behind].ball, gap);
+          }
+        });
   }
 
  private:

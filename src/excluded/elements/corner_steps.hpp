@@ -3,10 +3,10 @@
 // device.
 #pragma once
 
-#include "excluded/elements/cut_patch.hpp"
 #include "excluded/elements/element_shapes.hpp"
 #include "excluded/elements/elements.hpp"
 #include "excluded/elements/local_surface.hpp"
+#include "excluded/elements/low_patch.hpp"
 
 namespace vdwmesh::excluded::elements {
 
@@ -27,13 +27,13 @@ struct EmitCorners {
   Balls balls;
   const Arc* arcs;
   const std::uint64_t* first;  // by arc
-  Corner* corners;
+  ProbeCorner* corners;
 
   VDWMESH_HD void operator()(std::uint64_t i) const {
     std::uint64_t next = first[i];
     for (int end = 0; end < 2; ++end) {
       if (!makes_corner(arcs[i], end)) continue;
-      Corner c{};
+      ProbeCorner c{};
       c.name = corner_of(arcs[i], end);
       for (std::uint32_t& arc : c.arc) arc = kNone;
       const CommonPointsInDouble points = points_of(
@@ -49,7 +49,7 @@ struct EmitCorners {
 
 struct AroundCorners {
   Balls balls;
-  const Corner* corners;
+  const ProbeCorner* corners;
   Around* around;
   VDWMESH_HD void operator()(std::uint64_t i) const {
     const Sphere& first = balls.grown[corners[i].name.ball[0]];
@@ -58,7 +58,7 @@ struct AroundCorners {
 };
 
 struct MarkCorners {
-  const Corner* corners;
+  const ProbeCorner* corners;
   FailedSets sets;
   std::uint8_t* wide;
   VDWMESH_HD void operator()(std::uint64_t i) const {
@@ -68,14 +68,14 @@ struct MarkCorners {
 };
 struct TakeCorners {
   const std::uint32_t* listed;
-  const Corner* corners;
-  Corner* out;
+  const ProbeCorner* corners;
+  ProbeCorner* out;
   VDWMESH_HD void operator()(std::uint64_t i) const { out[i] = corners[listed[i]]; }
 };
 struct PutCorners {
   const std::uint32_t* listed;
-  const Corner* made;
-  Corner* corners;
+  const ProbeCorner* made;
+  ProbeCorner* corners;
   VDWMESH_HD void operator()(std::uint64_t i) const { corners[listed[i]] = made[i]; }
 };
 
@@ -85,7 +85,7 @@ struct LinkCorners {
   Arc* arcs;
   std::uint64_t arc_count;
   const std::uint64_t* first_corner;  // by arc, and the end
-  Corner* corners;
+  ProbeCorner* corners;
   std::uint8_t* failed;  // by arc
 
   VDWMESH_HD void operator()(std::uint64_t i) const {
@@ -120,7 +120,7 @@ struct CheckLinks {
   }
 };
 struct CheckCorners {
-  const Corner* corners;
+  const ProbeCorner* corners;
   FailedSets sets;
   VDWMESH_HD void operator()(std::uint64_t i) const {
     for (const std::uint32_t arc : corners[i].arc) {
@@ -130,7 +130,7 @@ struct CheckCorners {
 };
 
 struct MarkLow {
-  const Corner* corners;
+  const ProbeCorner* corners;
   FailedSets sets;
   std::uint8_t* low;
   VDWMESH_HD void operator()(std::uint64_t i) const {
@@ -141,14 +141,14 @@ struct MarkLow {
 // Low probes as balls.
 struct PlaceLow {
   Balls balls;
-  const Corner* corners;
+  const ProbeCorner* corners;
   const std::uint32_t* low;  // corners
   Sphere* probes;
   std::uint32_t* set;     // of each
   std::uint32_t* low_of;  // by corner
 
   VDWMESH_HD void operator()(std::uint64_t i) const {
-    const Corner& c = corners[low[i]];
+    const ProbeCorner& c = corners[low[i]];
     probes[i] = {balls.grown[c.name.ball[0]].center + c.at, balls.probe};
     set[i] = balls.set ? balls.set[c.name.ball[0]] : 0;
     low_of[low[i]] = static_cast<std::uint32_t>(i);
@@ -159,17 +159,15 @@ struct MeasureLow {
   Balls balls;
   const Arc* arcs;
   const ArcShape* shapes;
-  const Corner* corners;
+  const ProbeCorner* corners;
   LowList low;
   PatchMeasures* patches;
   std::uint8_t* doubtful;
 
   VDWMESH_HD void operator()(std::uint64_t i) const {
-    const std::uint32_t self = low.corner[i];
-    CutPatch patch(balls, corners, arcs, shapes, self,
-                   corner_polygon(balls, corners[self], arcs, shapes));
     PatchMeasures made{};
-    doubtful[i] = patch.measure(low, static_cast<std::uint32_t>(i), made) ? 0 : 1;
+    const auto index = static_cast<std::uint32_t>(i);
+    doubtful[i] = measure_patch(balls, corners, arcs, shapes, low, index, made) ? 0 : 1;
     patches[i] = made;
   }
 };
@@ -177,8 +175,8 @@ struct MeasureLow {
 // The corners of patches that the host is to decide.
 struct TakePatches {
   const std::uint32_t *listed, *low;
-  const Corner* corners;
-  Corner* out;
+  const ProbeCorner* corners;
+  ProbeCorner* out;
   VDWMESH_HD void operator()(std::uint64_t i) const { out[i] = corners[low[listed[i]]]; }
 };
 

@@ -93,7 +93,7 @@ class ElementPipeline {
     x_.run("take_balls", place.size(), TakeBalls{balls_, place.data(), taken.data()});
     return x_.download(taken.data(), taken.size());
   }
-  std::vector<HostBall> balls_around_corners(const Array<Corner>& corners) {
+  std::vector<HostBall> balls_around_corners(const Array<ProbeCorner>& corners) {
     Array<Around> around = x_.template make<Around>(corners.size());
     x_.run("around_corners", corners.size(), AroundCorners{balls_, corners.data(), around.data()});
     return balls_around(around);
@@ -174,7 +174,7 @@ class ElementPipeline {
     Array<std::uint64_t> first = x_.template zeros<std::uint64_t>(arc_count_ + 1);
     x_.run("count_corners", arc_count_, CountCorners{arcs_.data(), first.data()});
     corner_count_ = x_.scan(first);
-    corners_ = x_.template make<Corner>(corner_count_);
+    corners_ = x_.template make<ProbeCorner>(corner_count_);
     x_.run("emit_corners", arc_count_,
            EmitCorners{balls_, arcs_.data(), first.data(), corners_.data()});
     place_corners();
@@ -192,13 +192,13 @@ class ElementPipeline {
     const Array<std::uint32_t> listed = x_.select(wide, corner_count_);
     result_.host_corners = listed.size();
     if (listed.size() == 0) return;
-    Array<Corner> chosen = x_.template make<Corner>(listed.size());
+    Array<ProbeCorner> chosen = x_.template make<ProbeCorner>(listed.size());
     x_.run("take_corners", listed.size(),
            TakeCorners{listed.data(), corners_.data(), chosen.data()});
-    std::vector<Corner> corners = x_.download(chosen.data(), chosen.size());
+    std::vector<ProbeCorner> corners = x_.download(chosen.data(), chosen.size());
     const std::vector<HostBall> near = balls_around_corners(chosen);
-    for (Corner& c : corners) place_exactly({near, balls_.probe}, c);
-    const Array<Corner> placed = x_.upload(corners);
+    for (ProbeCorner& c : corners) place_exactly({near, balls_.probe}, c);
+    const Array<ProbeCorner> placed = x_.upload(corners);
     x_.run("put_corners", listed.size(), PutCorners{listed.data(), placed.data(), corners_.data()});
   }
 
@@ -233,10 +233,10 @@ class ElementPipeline {
   void decide_patches(const Array<std::uint32_t>& low, const Array<std::uint8_t>& doubtful) {
     const Array<std::uint32_t> listed = x_.select(doubtful, doubtful.size());
     if (listed.size() == 0) return;
-    Array<Corner> chosen = x_.template make<Corner>(listed.size());
+    Array<ProbeCorner> chosen = x_.template make<ProbeCorner>(listed.size());
     x_.run("take_patches", listed.size(),
            TakePatches{listed.data(), low.data(), corners_.data(), chosen.data()});
-    const std::vector<Corner> corners = x_.download(chosen.data(), chosen.size());
+    const std::vector<ProbeCorner> corners = x_.download(chosen.data(), chosen.size());
     const std::vector<HostBall> near = balls_around_corners(chosen);
     const HostBalls balls{near, balls_.probe};
     std::vector<std::optional<PatchMeasures>> patches(corners.size());
@@ -269,7 +269,7 @@ class ElementPipeline {
   ElementSums sum(BallRow* out) {
     const std::uint64_t entries = 2 * arc_count_ + 3 * corner_count_;
     check_count(entries, "parts");
-    Array<Terms> terms = x_.template make<Terms>(entries);
+    Array<ElementShare> terms = x_.template make<ElementShare>(entries);
     Array<std::uint32_t> key = x_.template make<std::uint32_t>(entries),
                          entry = x_.template make<std::uint32_t>(entries);
     x_.run("arc_terms", arc_count_,
@@ -304,7 +304,7 @@ class ElementPipeline {
   Array<std::uint8_t> failed_;
   std::uint64_t arc_count_ = 0, corner_count_ = 0;
   Array<Arc> arcs_;
-  Array<Corner> corners_;
+  Array<ProbeCorner> corners_;
   Array<ArcShape> shapes_;
   Array<PatchMeasures> patches_;
   Array<std::uint32_t> low_of_;

@@ -3,37 +3,25 @@
 #pragma once
 
 #include "excluded/elements/elements.hpp"
-#include "excluded/patches/saddle_formulas.hpp"
+#include "excluded/patches/patch_sides.hpp"
 #include "excluded/patches/share_formulas.hpp"
 
 namespace vdwmesh::excluded::elements {
 
-inline constexpr double kPi = 3.14159265358979323846;
-
-// The circle of an arc, and unit vectors from its centre to start and end.
-struct ArcShape {
-  Vec3d axis;
-  double radius, height[2], angle;
-  Vec3d radial[2];
-  double cusp_height;  // of a spindle
-  bool spindle;
-
-  VDWMESH_HD Profile profile() const {
-    return profile_of(radius, height[0], height[1], spindle, cusp_height);
-  }
-};
+inline constexpr double kPi = std::numbers::pi;
 
 VDWMESH_HD inline Vec3d flattened(const Vec3d& arm, const Vec3d& axis) {
   const Vec3d flat = arm - dot(arm, axis) * axis;
   return squared_norm(flat) > 0 ? unit(flat) : any_orthogonal(axis);
 }
 
-VDWMESH_HD inline ArcShape arc_shape(const Balls& balls, const Corner* corners, const Arc& arc) {
+VDWMESH_HD inline ArcShape arc_shape(const Balls& balls, const ProbeCorner* corners,
+                                     const Arc& arc) {
   const Sphere &a = balls.grown[arc.ball[0]], &b = balls.grown[arc.ball[1]];
   const PairCircle circle = pair_circle(a, b);
   ArcShape s{};
   s.axis = circle.axis;
-  s.radius = circle.radius;
+  s.circle_radius = circle.radius;
   s.height[0] = circle.height[0];
   s.height[1] = circle.height[1];
   const double p = balls.probe, rho = circle.radius;
@@ -42,7 +30,7 @@ VDWMESH_HD inline ArcShape arc_shape(const Balls& balls, const Corner* corners, 
   s.angle = 2 * kPi;
   if (arc.is_ring()) return s;
   for (int end = 0; end < 2; ++end) {
-    const Corner& corner = corners[arc.corner[end]];
+    const ProbeCorner& corner = corners[arc.corner[end]];
     const Vec3d base = balls.grown[corner.name.ball[0]].center - a.center;
     s.radial[end] = flattened((base + corner.at) - s.height[0] * s.axis, s.axis);
   }
@@ -54,30 +42,22 @@ VDWMESH_HD inline ArcShape arc_shape(const Balls& balls, const Corner* corners, 
   return s;
 }
 
-VDWMESH_HD inline Vec3d radial_integral(const Arc& arc, const ArcShape& shape) {
-  if (arc.is_ring()) return {0, 0, 0};
-  return cross(shape.axis, shape.radial[0] - shape.radial[1]);
-}
-
 // What the ball on one side of an arc, 0 or 1, gets of its saddle, and of the arc as a boundary of
 // its contact piece.
-VDWMESH_HD inline Terms saddle_terms(const Balls& balls, const Arc& arc, const ArcShape& shape,
-                                     bool first_on_circle, int side, const Vec3d& home) {
-  Terms t{};
-  const Vec3d radial = radial_integral(arc, shape);
-  const SaddleMeasures m =
-      measure_saddle({shape.angle, shape.radius, shape.axis, radial}, balls.probe, shape.profile(),
-                     static_cast<std::size_t>(side));
+VDWMESH_HD inline ElementShare saddle_terms(const Balls& balls, const Arc& arc,
+                                            const ArcShape& shape, bool first_on_circle, int side,
+                                            const Vec3d& home) {
+  ElementShare t{};
+  const auto k = static_cast<std::size_t>(side);
+  const SaddleMeasures m = measure_saddle(shape, balls.probe, profile_of(shape), k);
   const Sphere &a = balls.grown[arc.ball[0]], &own = balls.grown[arc.ball[side]];
-  const double rho = shape.radius, height = shape.height[side], r = own.radius;
   const Vec3d at = (a.center - home) + shape.height[0] * shape.axis;
   t.saddle = m.area;
   t.layer = m.layer;
   t.normal = m.vector;
   t.flux = m.flux + dot(at, m.vector) / 3;
-  t.bend = -shape.angle * (height / r);
-  const double turn = (side == 0 ? -1 : 1) * rho * rho * shape.angle;
-  t.contact = (0.5 / (r * r)) * (turn * shape.axis + (height * rho) * radial);
+  t.bend = -shape.angle * (shape.height[k] / own.radius);
+  t.contact = contact_vector(shape, k, own.radius);
   const bool ring = arc.is_ring();
   if (!ring) t.sixths -= 6;
   if (shape.spindle) {
@@ -97,24 +77,9 @@ VDWMESH_HD inline Terms saddle_terms(const Balls& balls, const Arc& arc, const A
   return t;
 }
 
-// A side of the polygon of a probe's concave patch, from one ball of the corner to another, with
-// the patch on its left seen from outside the probe.
-struct Side {
-  std::uint32_t arc;
-  int end;           // of the arc, at which the probe is
-  int slot[2];       // of the balls of the corner, from and to
-  Vec3d inward;      // unit normal of the side's plane
-  Vec3d contact[2];  // unit vectors to the balls
-  Vec3d cusp[2];     // of a spindle: unit vectors to the cusps near them
-  double angle[2];   // of the side up to its radical plane, or up to the cusps
-  double turning;    // exterior angle where the side ends
-  bool spindle;
-  int gap;  // of a spindle: the cap that ends at the cusps
-};
-
 // The polygon of a corner.
 struct Polygon {
-  Side side[3];
+  PatchSide side[3];
   double solid_angle;
   Vec3d vector;       // ∫ w dω
   Vec3d touch[3];     // unit vectors to the balls
@@ -134,41 +99,17 @@ VDWMESH_HD inline int place_in(const CornerName& name, std::uint32_t ball) {
   return name.ball[0] == ball ? 0 : (name.ball[1] == ball ? 1 : 2);
 }
 
-VDWMESH_HD inline Side corner_side(const Balls& balls, const Corner& corner, const Arc* arcs,
-                                   const ArcShape* shapes, int slot) {
-  Side s{};
-  s.arc = corner.arc[slot];
-  s.end = corner.end[slot];
-  const Arc& arc = arcs[s.arc];
-  const ArcShape& shape = shapes[s.arc];
-  const Profile profile = shape.profile();
-  const Vec3d inwards = -shape.radius * shape.radial[s.end];
-  const Vec3d tangent = cross(shape.axis, shape.radial[s.end]);
-  s.spindle = shape.spindle;
-  s.gap = -1;
-  s.inward = s.end == 1 ? tangent : -1.0 * tangent;
-  for (int k = 0; k < 2; ++k) {
-    const int place = s.end == 1 ? k : 1 - k;  // of ball k: from 0 to 1
-    const double sign = k == 0 ? -1 : 1;
-    s.slot[place] = place_in(corner.name, arc.ball[k]);
-    s.contact[place] = unit(inwards + (sign * shape.height[k]) * shape.axis);
-    s.cusp[place] = (1 / balls.probe) * (inwards + (sign * shape.cusp_height) * shape.axis);
-    s.angle[place] = sign * profile.end[static_cast<std::size_t>(k)] - profile.cusp;
-  }
-  return s;
-}
-
 // The vector from the point of contact with ball j to that with ball i, at right angles to the
 // plane that bisects them. It is formed as in atom_shares.cpp, so that balls that all but coincide
 // lose no digits.
-VDWMESH_HD inline Vec3d between_contacts(const Balls& balls, const Corner& corner,
+VDWMESH_HD inline Vec3d between_contacts(const Balls& balls, const ProbeCorner& corner,
                                          const Polygon& polygon, int i, int j) {
   const Sphere &a = balls.grown[corner.name.ball[i]], &b = balls.grown[corner.name.ball[j]];
   return (1 / a.radius) * ((a.center - b.center) + (b.radius - a.radius) * polygon.touch[j]);
 }
 
-VDWMESH_HD inline Polygon corner_polygon(const Balls& balls, const Corner& corner, const Arc* arcs,
-                                         const ArcShape* shapes) {
+VDWMESH_HD inline Polygon corner_polygon(const Balls& balls, const ProbeCorner& corner,
+                                         const Arc* arcs, const ArcShape* shapes) {
   Polygon g{};
   Vec3d arm[3];  // from the probe to the balls
   const Vec3d& base = balls.grown[corner.name.ball[0]].center;
@@ -185,9 +126,12 @@ VDWMESH_HD inline Polygon corner_polygon(const Balls& balls, const Corner& corne
     g.solid_angle += g.turning[k];
   }
   for (int k = 0; k < 3; ++k) {
-    Side& s = g.side[k];
-    s = corner_side(balls, corner, arcs, shapes, k);
-    s.turning = kPi - g.turning[s.slot[1]];
+    const std::uint32_t at = corner.arc[k];
+    const Arc& arc = arcs[at];
+    PatchSide& s = g.side[k];
+    s = patch_side(shapes[at], at, static_cast<ArcEnd>(corner.end[k]), arc.ball[0], arc.ball[1],
+                   balls.probe);
+    s.turning = kPi - g.turning[place_in(corner.name, s.atom[1])];
     g.vector = g.vector + (0.5 * (s.angle[0] + s.angle[1])) * s.inward;
   }
   g.apex =
@@ -200,8 +144,8 @@ VDWMESH_HD inline Polygon corner_polygon(const Balls& balls, const Corner& corne
 
 // Cuts an arc where it crosses the bisecting planes, and adds the fan over each part to the solid
 // angle of the ball whose point of contact is nearest.
-VDWMESH_HD inline void share_arc(const Balls& balls, const Corner& corner, const Polygon& polygon,
-                                 const SphereArc& arc, double (&share)[3]) {
+VDWMESH_HD inline void share_arc(const Balls& balls, const ProbeCorner& corner,
+                                 const Polygon& polygon, const SphereArc& arc, double (&share)[3]) {
   double cut[8] = {0};
   int count = 1;
   for (int i = 0; i < 3; ++i) {
@@ -234,13 +178,13 @@ struct PatchMeasures {
   std::uint32_t crease_arcs;
 };
 
-VDWMESH_HD inline PatchMeasures whole_patch(const Balls& balls, const Corner& corner,
+VDWMESH_HD inline PatchMeasures whole_patch(const Balls& balls, const ProbeCorner& corner,
                                             const Polygon& polygon) {
   PatchMeasures m{};
   m.solid_angle = polygon.solid_angle;
   m.vector = polygon.vector;
   m.sixths = 6;
-  for (const Side& s : polygon.side) {
+  for (const PatchSide& s : polygon.side) {
     share_arc(balls, corner, polygon, {s.inward, 0, s.contact[0], s.angle[0] + s.angle[1]},
               m.share);
   }
@@ -249,11 +193,11 @@ VDWMESH_HD inline PatchMeasures whole_patch(const Balls& balls, const Corner& co
 
 // What the ball in one slot of a corner gets of the concave patch, and of the corner as a corner of
 // its contact piece. The ball in slot 0 also gets what is not divided among the balls.
-VDWMESH_HD inline Terms corner_terms(const Balls& balls, const Corner& corner,
-                                     const PatchMeasures& patch, double turning, int slot,
-                                     const Vec3d& home) {
+VDWMESH_HD inline ElementShare corner_terms(const Balls& balls, const ProbeCorner& corner,
+                                            const PatchMeasures& patch, double turning, int slot,
+                                            const Vec3d& home) {
   const double p = balls.probe;
-  Terms t{};
+  ElementShare t{};
   t.concave = p * p * patch.share[slot];
   t.layer = p * p * p * (patch.share[slot] + patch.flat[slot]) / 3;
   t.bend = turning;

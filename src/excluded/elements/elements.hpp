@@ -96,7 +96,7 @@ struct CornerName {
 enum class Placing : std::uint8_t { plain, wide, none };
 
 // A probe that touches three balls.
-struct Corner {
+struct ProbeCorner {
   CornerName name;
   std::uint32_t arc[3];  // of the balls 0 and 1, 1 and 2, 0 and 2
   std::uint8_t end[3];   // of the arc at which the corner is: 0 start, 1 end
@@ -128,7 +128,7 @@ VDWMESH_HD inline CornerName corner_of(const Arc& arc, int end) {
   return corner_name(arc.ball[0], arc.ball[1], arc.third[end], end == 0);
 }
 
-// The index in Corner::arc of the arc of two of a corner's balls, a < b.
+// The index in ProbeCorner::arc of the arc of two of a corner's balls, a < b.
 VDWMESH_HD inline int slot_of(const CornerName& name, std::uint32_t a, std::uint32_t b) {
   if (a != name.ball[0]) return 1;
   return b == name.ball[1] ? 0 : 2;
@@ -168,7 +168,7 @@ VDWMESH_HD inline CommonPointsInDouble points_of(const Sphere& a, const Sphere& 
 
 // What one ball gets of one arc or corner. Sums of these over a ball's arcs and corners, with its
 // contact patch, are its row.
-struct Terms {
+struct ElementShare {
   double saddle, concave;  // areas
   double layer;            // volume between the accessible and the excluded surface
   double bend;             // 2 π χ of the contact pieces less their solid angle
@@ -231,7 +231,7 @@ struct CheckRow {
   }
 };
 
-VDWMESH_HD inline void add(Terms& sum, const Terms& t) {
+VDWMESH_HD inline void add(ElementShare& sum, const ElementShare& t) {
   sum.saddle += t.saddle;
   sum.concave += t.concave;
   sum.layer += t.layer;

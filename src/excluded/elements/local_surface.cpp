@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "complex/boundary/boundary_shapes.hpp"
+#include "excluded/elements/low_patch.hpp"
 #include "excluded/patches/atom_shares.hpp"
-#include "excluded/patches/patch_records.hpp"
 #include "excluded/probes/grown_atoms.hpp"
 
 namespace vdwmesh::excluded::elements {
@@ -72,17 +72,7 @@ class LocalNames {
     const auto& v = surface_.triangle_of(c).vertices;
     return corner_name(ball(v[0]), ball(v[1]), ball(v[2]), c % 2 == 0);
   }
-  std::uint64_t probe_number(std::uint32_t probe) const { return number_of(corner(probe)); }
-
-  std::uint64_t end_number(const CreaseEnd& end) const {
-    if (end.is_cusp()) {
-      const auto& v = surface_.complex().edges[end.name[0]].vertices;
-      return number_of_cusp(ball(v[0]), ball(v[1]), ball(v[end.name[1]]));
-    }
-    // `positive` belongs to the ascending order of the balls, number_of_point() to the given order.
-    return number_of_point(probe_number(end.name[0]), probe_number(end.name[1]),
-                           probe_number(end.name[2]), end.positive);
-  }
+  std::uint64_t number(std::uint32_t probe) const { return number_of(corner(probe)); }
 
  private:
   const AccessibleSurface& surface_;
@@ -124,7 +114,7 @@ std::optional<std::vector<ExactArc>> exact_circle(const HostBalls& balls, std::u
   return out;
 }
 
-void place_exactly(const HostBalls& balls, Corner& corner) {
+void place_exactly(const HostBalls& balls, ProbeCorner& corner) {
   const auto& v = corner.name.ball;
   const CommonPoints points =
       common_points(balls.at(v[0]).grown, balls.at(v[1]).grown, balls.at(v[2]).grown);
@@ -133,7 +123,7 @@ void place_exactly(const HostBalls& balls, Corner& corner) {
   corner.low = corner.half_chord < balls.probe;
 }
 
-std::optional<PatchMeasures> exact_patch(const HostBalls& balls, const Corner& corner) {
+std::optional<PatchMeasures> exact_patch(const HostBalls& balls, const ProbeCorner& corner) {
   const HostBall& first = balls.at(corner.name.ball[0]);
   const std::vector<HostBall> near =
       balls_around(balls, first.set, around_corner(first.grown, corner, balls.probe));
@@ -151,7 +141,7 @@ std::optional<PatchMeasures> exact_patch(const HostBalls& balls, const Corner& c
   const ConcavePatch patch = surface.probes[self].low
                                  ? concave_patch(surface, LowProbes(surface, all), all, self)
                                  : excluded::whole_patch(surface, self);
-  if (!patch.certified || patch.margin < kBrokenTie) return std::nullopt;
+  if (!patch.certified || !(patch.margin >= kBrokenTie)) return std::nullopt;
   const auto is_crowded = [&](const PatchCap& cap) {
     return surface.probes[cap.probe].corner_count > 1;
   };
@@ -162,22 +152,7 @@ std::optional<PatchMeasures> exact_patch(const HostBalls& balls, const Corner& c
     out.vector = out.vector + piece.vector;
     out.sixths += 6 * (2 - static_cast<std::int32_t>(piece.loops));
   }
-  for (const PatchSide& side : patch.sides) out.sixths -= side.spindle ? 6 : 0;
-  const auto caps = static_cast<std::uint32_t>(patch.caps.size());
-  for (const PatchSegment& s : patch.segments) {
-    if (s.circle >= caps) continue;
-    ++out.crease_arcs;
-    const bool whole = s.next == kNoIndex;
-    const auto end = [&](std::uint32_t i, std::uint32_t j) {
-      return whole ? 0 : names.end_number(crease_end(surface, patch, i, j));
-    };
-    out.creases +=
-        number_of_crease(names.probe_number(self), names.probe_number(patch.caps[s.circle].probe),
-                         end(s.before, s.circle), end(s.circle, s.next));
-    if (whole) continue;
-    out.sixths -= 3;
-    if (s.next < caps) out.sixths += 2;
-  }
+  count_creases(patch, names.number(self), names, out);
   for (const AtomShare& share : atom_shares(surface, patch)) {
     const int slot = place_in(corner.name, names.ball(share.ball));
     out.share[slot] = share.solid_angle;

@@ -42,7 +42,8 @@ VDWMESH_HD inline Around around_circle(const Sphere& a, const Sphere& b) {
   return {a.center + circle.height[0] * circle.axis, circle.radius};
 }
 // The place around a probe with all balls that reach it, or reach another probe that overlaps it.
-VDWMESH_HD inline Around around_corner(const Sphere& first, const Corner& corner, double probe) {
+VDWMESH_HD inline Around around_corner(const Sphere& first, const ProbeCorner& corner,
+                                       double probe) {
   return {first.center + corner.at, 2 * probe};
 }
 
@@ -58,11 +59,11 @@ std::optional<std::vector<ExactArc>> exact_circle(const HostBalls& balls, std::u
                                                   std::uint32_t b);
 
 // Places a corner of a thin triangle, or with its mirror image next to it, in wide numbers.
-void place_exactly(const HostBalls& balls, Corner& corner);
+void place_exactly(const HostBalls& balls, ProbeCorner& corner);
 
 // The concave patch of a low probe. Nothing if the probe touches more than three balls, or if a
 // decision was a tie: ties are broken in the same way for all patches only if the whole set is at
 // hand.
-std::optional<PatchMeasures> exact_patch(const HostBalls& balls, const Corner& corner);
+std::optional<PatchMeasures> exact_patch(const HostBalls& balls, const ProbeCorner& corner);
 
 }  // namespace vdwmesh::excluded::elements

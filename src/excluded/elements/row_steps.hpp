@@ -14,7 +14,7 @@ struct ArcTerms {
   const ArcShape* shapes;
   FailedSets sets;
   const Vec3d* home;  // by set
-  Terms* terms;
+  ElementShare* terms;
   std::uint32_t* key;  // the ball
   std::uint32_t* entry;
 
@@ -26,8 +26,8 @@ struct ArcTerms {
       const std::uint64_t e = 2 * i + static_cast<std::uint64_t>(side);
       key[e] = arc.ball[side];
       entry[e] = static_cast<std::uint32_t>(e);
-      terms[e] =
-          failed ? Terms{} : saddle_terms(balls, arc, shapes[i], arc.circle_first == i, side, at);
+      terms[e] = failed ? ElementShare{}
+                        : saddle_terms(balls, arc, shapes[i], arc.circle_first == i, side, at);
     }
   }
 };
@@ -36,24 +36,24 @@ struct CornerTerms {
   Balls balls;
   const Arc* arcs;
   const ArcShape* shapes;
-  const Corner* corners;
+  const ProbeCorner* corners;
   const PatchMeasures* patches;
   const std::uint32_t* low_of;
   FailedSets sets;
   const Vec3d* home;
   std::uint64_t first;  // entry
-  Terms* terms;
+  ElementShare* terms;
   std::uint32_t* key;
   std::uint32_t* entry;
 
   VDWMESH_HD void operator()(std::uint64_t i) const {
-    const Corner& corner = corners[i];
+    const ProbeCorner& corner = corners[i];
     const bool failed = sets.has(corner.name.ball[0]);
     for (int slot = 0; slot < 3; ++slot) {
       const std::uint64_t e = first + 3 * i + static_cast<std::uint64_t>(slot);
       key[e] = corner.name.ball[slot];
       entry[e] = static_cast<std::uint32_t>(e);
-      terms[e] = Terms{};
+      terms[e] = ElementShare{};
     }
     if (failed) return;
     const Polygon polygon = corner_polygon(balls, corner, arcs, shapes);
@@ -73,7 +73,7 @@ struct SumRows {
   const std::uint32_t* key;    // ascending
   const std::uint32_t* entry;  // of each key
   std::uint64_t entries, arc_entries;
-  const Terms* terms;
+  const ElementShare* terms;
   const Vec3d* home;
   FailedSets sets;
   BallRow* rows;
@@ -81,11 +81,11 @@ struct SumRows {
 
   VDWMESH_HD void operator()(std::uint64_t v) const {
     const auto ball = static_cast<std::uint32_t>(v);
-    Terms sum{};
+    ElementShare sum{};
     CheckRow check{};
     const auto key_at = [this](std::uint64_t place) { return key[place]; };
     for (std::uint64_t e = lower_bound(entries, ball, key_at); e < entries && key[e] == ball; ++e) {
-      const Terms& t = terms[entry[e]];
+      const ElementShare& t = terms[entry[e]];
       add(sum, t);
       if (entry[e] < arc_entries) check.saddle_layer += t.layer;
       check.counts += t;

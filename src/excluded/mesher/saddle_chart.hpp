@@ -1,9 +1,9 @@
 // A conformal map of a saddle to a plane region, so that triangles keep their angles.
 //
-// Notation as in saddle.hpp. With the turn φ about the axis and the profile angle α, lengths are
-// (ρ - p cos α) dφ along the arc and p dα across it. So (φ, s) with ds = p dα / (ρ - p cos α) is
-// conformal, and the saddle is a rectangle. With t = tan(α/2) and D = (ρ - p) / (ρ + p), s is 2 p /
-// (ρ + p) times ∫ dt / (t² + D).
+// Notation as in saddle_formulas.hpp. With the turn φ about the axis and the profile angle α,
+// lengths are (ρ - p cos α) dφ along the arc and p dα across it. So (φ, s) with ds = p dα / (ρ - p
+// cos α) is conformal, and the saddle is a rectangle. With t = tan(α/2) and D = (ρ - p) / (ρ + p),
+// s is 2 p / (ρ + p) times ∫ dt / (t² + D).
 //
 // For half of a spindle the rectangle would have no end, because s is infinite in the cusp. Half of
 // a spindle is mapped to a sector instead: exp(-κ s), with κ = sin θ, is the distance from the
@@ -19,7 +19,6 @@
 
 #include "creases/plane/plane_predicates.hpp"
 #include "excluded/mesher/curve_complex.hpp"
-#include "excluded/patches/saddle.hpp"
 
 namespace vdwmesh::excluded {
 

@@ -16,9 +16,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "excluded/patches/cap_arrangement.hpp"
-#include "excluded/patches/cap_face.hpp"
-#include "excluded/patches/share_formulas.hpp"
 #include "spheres/directions.hpp"
 
 namespace vdwmesh::excluded {
@@ -71,7 +68,7 @@ class ShareFinder {
 
   // Whether the shares make up the patch.
   bool add_fans() {
-    for (const PatchSegment& s : patch_.segments) add_segment(arc_of(s));
+    for (const PatchSegment& s : patch_.segments) add_segment(patch_.arc_of(s));
     if (shares_.size() > 3) add_bisectors();
     return std::abs(missing()) < kWhole;
   }
@@ -96,13 +93,6 @@ class ShareFinder {
     const auto& balls = surface_.triangulation().balls;
     const Sphere &a = balls[shares_[i].ball], &b = balls[shares_[j].ball];
     return (1 / a.radius) * ((a.center - b.center) + (b.radius - a.radius) * touch_[j]);
-  }
-
-  SphereArc arc_of(const PatchSegment& s) const {
-    const auto caps = static_cast<std::uint32_t>(patch_.caps.size());
-    if (s.circle >= caps) return {patch_.sides[s.circle - caps].inward, 0, s.from, s.angle};
-    const PatchCap& cap = patch_.caps[s.circle];
-    return {cap.axis, cap.cosine, s.from, -s.angle};
   }
 
   std::size_t nearest(const Vec3d& w) const {
@@ -147,30 +137,32 @@ class ShareFinder {
       if (k != i && k != j) others.push_back(circle(unit(toward(k, i)), 0));
     }
     const CapCircle<double> self = circle(axis, 0);
-    std::vector<Covered<double>> covered;
+    std::vector<CoveredArc<double>> covered;
     double margin = 1;
     for (const CapCircle<double>& other : others) {
-      Covered<double> part{};
+      CoveredArc<double> part{};
       const Overlap overlap = covered_part(self, other, 0, part, margin);
       if (overlap == Overlap::whole) return;
       if (overlap == Overlap::crossing) covered.push_back(part);
     }
     if (covered.empty()) return;
-    for (const Uncovered<double>& part : uncovered_parts(covered, margin)) {
-      const double share = fan(apex_, {axis, 0, to_vec(part.behind.to.point), part.angle}, 0, 1);
-      shares_[i].solid_angle += share;
-      shares_[j].solid_angle -= share;
-    }
+    visit_uncovered<HeapLists, kMostCaps>(
+        covered, margin,
+        [&](const CoveredArc<double>& behind, const CoveredArc<double>&, double angle) {
+          const double share = fan(apex_, {axis, 0, to_vec(behind.to.point), angle}, 0, 1);
+          shares_[i].solid_angle += share;
+          shares_[j].solid_angle -= share;
+        });
   }
 
   // Three times the volume of the cones over the parts of the caps' flat faces that belong to atom
   // i.
   double flat_cones(std::size_t i) const {
-    std::vector<HalfSpace> within;
-    for (std::size_t j = 0; j < touch_.size(); ++j) {
-      if (j != i) within.push_back({toward(j, i), 0});
-    }
-    return flat_faces(patch_, within);
+    return flat_faces(patch_, [&](CapFace<HeapLists>& face) {
+      for (std::size_t j = 0; j < touch_.size(); ++j) {
+        if (j != i) face.clip(toward(j, i), 0);
+      }
+    });
   }
 
   const AccessibleSurface& surface_;

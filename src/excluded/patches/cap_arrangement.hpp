@@ -23,11 +23,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <vector>
+#include <type_traits>
 
 #include "complex/number_vector.hpp"
 #include "core/vec3.hpp"
+#include "excluded/patches/bounded_list.hpp"
 
 namespace vdwmesh::excluded {
 
@@ -96,10 +96,18 @@ VDWMESH_HD Vector<T> point_beyond(const CapCircle<T>& circle, const Vector<T>& s
   return combination(circle.cosine, circle.axis, T(1), turned);
 }
 
-// A point of a circle: where it is about the axis. x and y are its coordinates along the circle's
-// `first` and `second`. `turn` stands for its angle and takes no trigonometry: it is the way to the
+// Stands for the angle of a point about the origin and takes no trigonometry: it is the way to the
 // point along the square |x| + |y| = 1, in sides of the square, and rises from 0 to 4 in a whole
-// turn. It changes by `slide` for each radian by which circles move.
+// turn.
+template <class T>
+VDWMESH_HD T turn_of(const T& x, const T& y) {
+  using std::abs;
+  const T part = x / T(abs(x) + abs(y));
+  return y < T(0) ? T(3 + part) : T(1 - part);
+}
+
+// A point of a circle: where it is about the axis. x and y are its coordinates along the circle's
+// `first` and `second`. Its `turn` changes by `slide` for each radian by which circles move.
 template <class T>
 struct CirclePlace {
   T x, y, turn;
@@ -109,25 +117,15 @@ struct CirclePlace {
 
 template <class T>
 VDWMESH_HD CirclePlace<T> place_on(const CapCircle<T>& circle, const Vector<T>& w, double slide) {
-  using std::abs;
   const T x = dot(w, circle.first), y = dot(w, circle.second);
-  const T size = abs(x) + abs(y);
-  const T part = x / size;
-  return {x, y, y < T(0) ? T(3 + part) : T(1 - part), w, slide};
+  return {x, y, turn_of(x, y), w, slide};
 }
 
 // The part of a circle that another cap covers.
 template <class T>
-struct Covered {
+struct CoveredArc {
   CirclePlace<T> from, to;
   std::uint32_t by;
-};
-
-// A part of a circle that no cap covers, counter-clockwise.
-template <class T>
-struct Uncovered {
-  Covered<T> behind, ahead;  // it runs from behind.to to ahead.from
-  double angle;
 };
 
 enum class Overlap { none, crossing, whole };
@@ -136,7 +134,7 @@ enum class Overlap { none, crossing, whole };
 // smaller.
 template <class T>
 VDWMESH_HD Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
-                                Covered<T>& part, double& margin) {
+                                CoveredArc<T>& part, double& margin) {
   // In the letters of the head, with c as circle i: d, c, q, |c|², t and g².
   const Vector<T> apart = combination(T(1), j.axis, T(-1), c.axis), side = cross(c.axis, apart);
   const T q = dot(apart, apart) / T(2), squared_sine = dot(side, side);
@@ -168,58 +166,69 @@ VDWMESH_HD double angle_between(const CirclePlace<T>& from, const CirclePlace<T>
   return angle < 0 ? angle + kTurn : angle;
 }
 
-// The margin of the order of places about a circle.
-template <class T>
-double order_margin(const std::vector<Covered<T>>& covered) {
-  struct Place {
+// Lowers `margin` to that of the order of all places about a circle, if that is smaller.
+template <class Lists, int kMost, class Covers>
+VDWMESH_HD void narrow_by_order(const Covers& covered, double& margin) {
+  using T = std::remove_cvref_t<decltype(covered[0].from.turn)>;
+  struct TurnAndSlide {
     T turn;
     double slide;
   };
-  std::vector<Place> places;
-  for (const Covered<T>& c : covered) {
+  typename Lists::template List<TurnAndSlide, 2 * kMost> places;
+  for (const CoveredArc<T>& c : covered) {
     places.push_back({c.from.turn, c.from.slide});
     places.push_back({c.to.turn, c.to.slide});
   }
-  std::sort(places.begin(), places.end(),
-            [](const Place& a, const Place& b) { return a.turn < b.turn; });
-  double margin = std::numeric_limits<double>::infinity();
+  Lists::sort(places, [](const TurnAndSlide& a, const TurnAndSlide& b) { return a.turn < b.turn; });
   for (std::size_t i = 0; i < places.size(); ++i) {
     const bool last = i + 1 == places.size();
-    const Place &a = places[i], &b = places[last ? 0 : i + 1];
+    const TurnAndSlide &a = places[i], &b = places[last ? 0 : i + 1];
     const T ahead = last ? T(b.turn + T(4)) : b.turn;
-    margin = std::min(margin, to_double(T(ahead - a.turn)) / (a.slide + b.slide));
+    const double here = to_double(T(ahead - a.turn)) / (a.slide + b.slide);
+    if (!(here >= margin)) margin = here;  // also if it is not a number
   }
-  return margin;
 }
 
-// The parts of a circle between its covered parts. Precondition: there is at least one of these.
-template <class T>
-std::vector<Uncovered<T>> uncovered_parts(std::vector<Covered<T>> covered, double& margin) {
-  margin = std::min(margin, order_margin(covered));
-  std::sort(covered.begin(), covered.end(),
-            [](const Covered<T>& a, const Covered<T>& b) { return a.from.turn < b.from.turn; });
-  // Goes around twice. After the first turn, `reach` is the farthest end of all parts that have
+// Goes around a circle with `count` covered intervals, in the order of their beginnings. Calls
+// visit(before, behind, gap) for each interval `behind` and, of those that begin before it, the one
+// that reaches farthest. The circle is uncovered between the two if `gap`, in turns, is above 0.
+// from(i) and to(i) are the turns of the intervals' ends.
+template <class From, class To, class Visit>
+VDWMESH_HD void visit_gaps(std::size_t count, const From& from, const To& to, const Visit& visit) {
+  using T = std::remove_cvref_t<decltype(from(count))>;
+  // Goes around twice. After the first turn, `reach` is the farthest end of all intervals that have
   // begun.
-  std::vector<Uncovered<T>> parts;
-  std::size_t farthest = covered.size();
+  std::size_t farthest = count;
   T reach(0);
-  for (std::size_t step = 0; step < 2 * covered.size(); ++step) {
-    const std::size_t i = step % covered.size();
-    const bool second = step >= covered.size();
-    const Covered<T>& c = covered[i];
-    const T start = second ? T(c.from.turn + T(4)) : c.from.turn;
-    if (second && start > reach) {
-      const T turns = start - reach;
-      parts.push_back({covered[farthest], c, angle_between(covered[farthest].to, c.from, turns)});
-    }
-    T stop = second ? T(c.to.turn + T(4)) : c.to.turn;
+  for (std::size_t step = 0; step < 2 * count; ++step) {
+    const bool second = step >= count;
+    const std::size_t i = second ? step - count : step;
+    const T start = second ? T(from(i) + T(4)) : T(from(i));
+    if (second) visit(farthest, i, T(start - reach));
+    T stop = second ? T(to(i) + T(4)) : T(to(i));
     if (stop < start) stop += T(4);
-    if (farthest == covered.size() || stop > reach) {
+    if (farthest == count || stop > reach) {
       reach = stop;
       farthest = i;
     }
   }
-  return parts;
+}
+
+// Sorts the covered parts of a circle, at most kMost, and calls visit(behind, ahead, angle) for
+// each part between them: it runs counter-clockwise from behind.to to ahead.from.
+template <class Lists, int kMost, class Covers, class Visit>
+VDWMESH_HD void visit_uncovered(Covers& covered, double& margin, const Visit& visit) {
+  using Part = std::remove_cvref_t<decltype(covered[0])>;
+  narrow_by_order<Lists, kMost>(covered, margin);
+  Lists::sort(covered, [](const Part& a, const Part& b) { return a.from.turn < b.from.turn; });
+  visit_gaps(
+      covered.size(), [&](std::size_t i) { return covered[i].from.turn; },
+      [&](std::size_t i) { return covered[i].to.turn; },
+      [&](std::size_t before, std::size_t behind, const auto& turns) {
+        if (!(turns > 0)) return;
+        visit(covered[before], covered[behind],
+              angle_between(covered[before].to, covered[behind].from, turns));
+      });
 }
 
 }  // namespace vdwmesh::excluded

@@ -38,7 +38,7 @@ CreaseEnd cusp(const AccessibleSurface& surface, const PatchSide& side, std::siz
 // The volume between the probe's centre and the patch in units of the probe's radius: cones over
 // the patch and over the flat faces of its caps.
 double cone_volume(const ConcavePatch& patch) {
-  double sum = flat_faces(patch, {});
+  double sum = flat_faces(patch, [](CapFace<HeapLists>&) {});
   for (const PatchPiece& piece : patch.pieces) sum += piece.solid_angle;
   return sum / 3;
 }

@@ -22,11 +22,15 @@ struct Profile {
   double cusp;  // θ of a spindle, else 0
 };
 
-// What the closed forms need of an arc.
-struct SaddleArc {
-  double angle, circle_radius;
+// An exposed arc of the circle of two grown balls a and b, counter-clockwise about the axis from a
+// to b.
+struct ArcShape {
   Vec3d axis;
-  Vec3d radial_integral;  // of e(φ) along the arc
+  double angle, circle_radius;
+  std::array<double, 2> height;  // signed, of the circle's plane over the centres of a and b
+  std::array<Vec3d, 2> radial;   // unit vectors from the circle's centre to the ends; 0 of a ring
+  double cusp_height;  // of a spindle: distance of its cusps from the circle's plane; else 0
+  bool spindle;        // the saddle is cut by its own axis
 };
 
 // The part of a saddle between two profile angles.
@@ -38,14 +42,25 @@ struct SaddleMeasures {
   double bend;   // integral of the Gaussian curvature
 };
 
-VDWMESH_HD inline Profile profile_of(double circle_radius, double height_a, double height_b,
-                                     bool spindle, double cusp_height) {
-  return {{std::atan2(-height_a, circle_radius), std::atan2(height_b, circle_radius)},
-          spindle,
-          std::atan2(cusp_height, circle_radius)};
+VDWMESH_HD inline Profile profile_of(const ArcShape& arc) {
+  const double rho = arc.circle_radius;
+  return {{std::atan2(-arc.height[0], rho), std::atan2(arc.height[1], rho)},
+          arc.spindle,
+          std::atan2(arc.cusp_height, rho)};
 }
 
-VDWMESH_HD inline SaddleMeasures measure_profile(const SaddleArc& arc, double p, double from,
+// The integral of e(φ) along the arc.
+VDWMESH_HD inline Vec3d radial_integral(const ArcShape& arc) {
+  return cross(arc.axis, arc.radial[0] - arc.radial[1]);
+}
+
+// ∫ n dω of what the arc adds to the contact piece of ball `side`, which has the radius r.
+VDWMESH_HD inline Vec3d contact_vector(const ArcShape& arc, std::size_t side, double r) {
+  const double rho = arc.circle_radius, turn = (side == 0 ? -1 : 1) * rho * rho * arc.angle;
+  return (0.5 / (r * r)) * (turn * arc.axis + (arc.height[side] * rho) * radial_integral(arc));
+}
+
+VDWMESH_HD inline SaddleMeasures measure_profile(const ArcShape& arc, double p, double from,
                                                  double to) {
   const double rho = arc.circle_radius, angle = arc.angle;
   const double s0 = std::sin(from), s1 = std::sin(to), c0 = std::cos(from), c1 = std::cos(to);
@@ -53,7 +68,7 @@ VDWMESH_HD inline SaddleMeasures measure_profile(const SaddleArc& arc, double p,
   const double cosine2 = (one + s1 * c1 - s0 * c0) / 2, sine_cosine = (s1 * s1 - s0 * s0) / 2;
   SaddleMeasures m{};
   m.area = angle * p * (rho * one - p * cosine);
-  m.vector = p * ((rho * cosine - p * cosine2) * arc.radial_integral -
+  m.vector = p * ((rho * cosine - p * cosine2) * radial_integral(arc) -
                   (angle * (rho * sine - p * sine_cosine)) * arc.axis);
   const double bulk = (p * p + rho * rho) * cosine - rho * p * (one + cosine2);
   m.flux = angle * p * bulk / 3;
@@ -65,7 +80,7 @@ VDWMESH_HD inline SaddleMeasures measure_profile(const SaddleArc& arc, double p,
 // The part of the saddle on one side of the radical plane, 0 or 1, which belongs to the atom there.
 // One of the two parts is empty if the plane does not cut the saddle. Under a spindle the layer
 // ends at the axis.
-VDWMESH_HD inline SaddleMeasures measure_saddle(const SaddleArc& arc, double p,
+VDWMESH_HD inline SaddleMeasures measure_saddle(const ArcShape& arc, double p,
                                                 const Profile& profile, std::size_t side) {
   const double cusp = profile.cusp, rho = arc.circle_radius;
   const double from = side == 0 || profile.end[0] > cusp ? profile.end[0] : cusp;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/vec3.hpp"
+#include "excluded/patches/bounded_list.hpp"
 #include "spheres/directions.hpp"
 
 namespace vdwmesh::excluded {
@@ -87,8 +88,8 @@ VDWMESH_HD inline FacePoint between(const FacePoint& a, const FacePoint& b, doub
 
 // Clips a polygon of `size` points by a line and calls put(point) for those of the part with
 // normal · point <= height.
-template <class Put>
-VDWMESH_HD void clip_polygon(const FacePoint* polygon, std::size_t size, const FacePoint& normal,
+template <class Points, class Put>
+VDWMESH_HD void clip_polygon(const Points& polygon, std::size_t size, const FacePoint& normal,
                              double height, const Put& put) {
   for (std::size_t i = 0; i < size; ++i) {
     const FacePoint &a = polygon[i], &b = polygon[i + 1 < size ? i + 1 : 0];
@@ -123,5 +124,55 @@ VDWMESH_HD inline double triangle_in_disk(const FacePoint& a, const FacePoint& b
   const double behind = leave < 1 ? sector(q, b, squared_radius) : 0;
   return before + 0.5 * outer(p, q) + behind;
 }
+
+// The flat face of a cap: the part of the cap's disk {axis · w = cosine, |w| <= 1} that lies in
+// some half-spaces. A square around the disk is clipped by them, and polygon ∩ disk is measured.
+// Both are in the plane of the disk, in coordinates from the disk's centre: a point is cosine ·
+// axis + x first + y second, and the radius of the disk is the sine, at most 1.
+//
+// The area depends continuously on all planes, so it needs no decisions about which of them meet.
+template <class Lists>
+class CapFace {
+ public:
+  // `axis` is a unit vector.
+  VDWMESH_HD CapFace(const Vec3d& axis, double cosine)
+      : axis_(axis), first_(any_orthogonal(axis)), second_(cross(axis, first_)), cosine_(cosine) {
+    FacePoints& square = polygons_[0];  // it holds any such disk
+    square.push_back({-2, -2});
+    square.push_back({2, -2});
+    square.push_back({2, 2});
+    square.push_back({-2, 2});
+  }
+
+  // Keeps the part with normal · w <= height.
+  VDWMESH_HD void clip(const Vec3d& normal, double height) {
+    const FacePoints& polygon = polygons_[now_];
+    FacePoints& kept = polygons_[1 - now_];
+    kept.clear();
+    clip_polygon(polygon, polygon.size(), {dot(normal, first_), dot(normal, second_)},
+                 height - cosine_ * dot(normal, axis_),
+                 [&](const FacePoint& point) { kept.push_back(point); });
+    now_ = 1 - now_;
+  }
+
+  VDWMESH_HD double area() const {
+    const FacePoints& polygon = polygons_[now_];
+    double sum = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const std::size_t next = i + 1 < polygon.size() ? i + 1 : 0;
+      sum += triangle_in_disk(polygon[i], polygon[next], (1 - cosine_) * (1 + cosine_));
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr int kMostPoints = 48;
+  using FacePoints = typename Lists::template List<FacePoint, kMostPoints>;
+
+  Vec3d axis_, first_, second_;
+  double cosine_;
+  FacePoints polygons_[2];  // the polygon, and memory for the next one
+  int now_ = 0;             // which of them is the polygon
+};
 
 }  // namespace vdwmesh::excluded

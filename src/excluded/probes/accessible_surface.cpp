@@ -20,7 +20,6 @@
 
 #include "core/disjoint_sets.hpp"
 #include "core/sum.hpp"
-#include "excluded/patches/saddle.hpp"
 #include "excluded/probes/short_arcs.hpp"
 #include "excluded/probes/wide_probes.hpp"
 #include "spheres/directions.hpp"
@@ -208,6 +207,9 @@ void AccessibleSurface::place_arcs(double no_length) {
     }
   });
   drop_short_arcs(*this, exposed_, no_length, arcs);
+  for (RolledArc& arc : arcs) {
+    if (arc.dropped) arc.radial = {};
+  }
 }
 
 // Numbers the probes in the order of their first corners, and lists the corners of each.
@@ -374,12 +376,10 @@ void AccessibleSurface::measure_pieces() {
   for (std::size_t i = 0; i < contacts.size(); ++i) bend[i].add(contacts[i].solid_angle);
   for (const RolledArc& arc : arcs) {
     for (std::size_t k = 0; k < 2; ++k) {
-      const double radius = triangulation_.balls[arc.ball[k]].radius, rho = arc.circle_radius;
+      const double radius = triangulation_.balls[arc.ball[k]].radius;
       bend[arc.contact[k]].add(arc.angle * (arc.height[k] / radius));
-      const double turn = (k == 0 ? -1 : 1) * rho * rho * arc.angle;
       Vec3d& vector = contacts[arc.contact[k]].vector;
-      vector = vector + (0.5 / (radius * radius)) *
-                            (turn * arc.axis + (arc.height[k] * rho) * radial_integral(arc));
+      vector = vector + contact_vector(arc, k, radius);
     }
   }
   make_and_add(

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "complex/boundary/boundary_shapes.hpp"
+#include "excluded/patches/patch_sides.hpp"
 
 namespace vdwmesh::excluded {
 
@@ -22,23 +23,16 @@ namespace vdwmesh::excluded {
 // multiplied by the condition of a corner, and an error of the area that no double shows.
 inline constexpr double kNoLength = 1e-11;
 
-enum class ArcEnd : std::uint8_t { start, end };
-
-// An exposed arc of the circle of two grown balls a and b, counter-clockwise about the axis from a
-// to b. The saddle lies along it. A ring is a whole circle and has no probes.
-struct RolledArc {
+// An exposed arc as an element of the surface. The saddle lies along it. A ring is a whole circle
+// and has no probes.
+struct RolledArc : ArcShape {
   std::uint32_t edge;                    // of the complex
   std::array<std::uint32_t, 2> ball;     // a, b
   std::array<std::uint32_t, 2> probe;    // at start and end; kNoIndex: a ring
   std::array<std::uint32_t, 2> beyond;   // arcs of the circle behind start and end; may be itself
   std::array<std::uint32_t, 2> contact;  // pieces of contact patches on a and b
-  double angle, circle_radius;
-  std::array<double, 2> height;  // signed, of the circle's plane over the centres of a and b
-  std::array<Vec3d, 2> radial;   // unit vectors from the circle's centre to start and end
-  Vec3d axis, center;
-  bool dropped;        // without length, between corners of one probe
-  bool spindle;        // the saddle is cut by its own axis
-  double cusp_height;  // of a spindle: distance of its cusps from the circle's plane; else 0
+  Vec3d center;                          // of the circle
+  bool dropped;  // without length, between corners of one probe; then `radial` is 0
 
   bool is_ring() const { return probe[0] == kNoIndex; }
 };

@@ -16,7 +16,6 @@
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
-#include "excluded/patches/saddle.hpp"
 
 namespace vdwmesh::excluded {
 namespace {

@@ -17,6 +17,17 @@ bool is_apart(double a, double b) { return std::abs(a - b) > kSurelyApart; }
 
 }  // namespace
 
+template <>
+WideFloat root_of(const WideFloat& x) {
+  const double rounded = to_double(x);
+  if (!std::isnormal(rounded) || rounded < 0) return sqrt(x);
+  // 53 digits of the inverse root become 105, then 209. The last step doubles those of the root.
+  WideFloat inverse = 1 / std::sqrt(rounded);
+  for (int step = 0; step < 2; ++step) inverse += inverse * (1 - x * inverse * inverse) / 2;
+  const WideFloat root = x * inverse;
+  return root + inverse * (x - root * root) / 2;
+}
+
 WideCircle wide_circle(const Sphere& a, const Sphere& b) {
   const WideVector ab = numbers::from_to<WideFloat>(a, b), at_a = wide(a.center);
   const WideFloat ra(a.radius), rb(b.radius), squared_length = dot(ab, ab);

@@ -1,11 +1,11 @@
 // The flat faces of caps: disks cut by planes.
-#include "excluded/patches/cap_face.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <vector>
+
+#include "excluded/patches/share_formulas.hpp"
 
 namespace vdwmesh::excluded {
 namespace {
@@ -13,6 +13,23 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kRounding = 1e-14;  // of areas of order 1
 const Vec3d kUp{0, 0, 1};
+
+// The points w with normal · w <= height.
+struct HalfSpace {
+  Vec3d normal;
+  double height;
+};
+
+double face_area(const Vec3d& axis, double cosine, const std::vector<HalfSpace>& within) {
+  CapFace<HeapLists> on_heap(axis, cosine);
+  CapFace<BoundedLists> in_bounded_lists(axis, cosine);
+  for (const HalfSpace& h : within) {
+    on_heap.clip(h.normal, h.height);
+    in_bounded_lists.clip(h.normal, h.height);
+  }
+  EXPECT_EQ(on_heap.area(), in_bounded_lists.area());
+  return on_heap.area();
+}
 
 TEST(CapFace, WholeDisk) { EXPECT_NEAR(face_area(kUp, 0.6, {}), 0.64 * kPi, kRounding); }
 

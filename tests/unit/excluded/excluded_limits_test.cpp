@@ -10,8 +10,8 @@
 
 #include "core/errors.hpp"
 #include "excluded/excluded_measures.hpp"
-#include "excluded/patches/patch_circles.hpp"
 #include "excluded/probes/low_probes.hpp"
+#include "excluded/probes/wide_probes.hpp"
 #include "measures/exact_union.hpp"
 #include "reference/cages.hpp"
 #include "support/dice.hpp"
