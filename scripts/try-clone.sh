@@ -30,6 +30,7 @@ trap clean_up EXIT
 trap 'exit 130' INT TERM
 
 proxy=$(apt-config dump --format '%v%n' Acquire::http::Proxy)
+# shellcheck disable=SC2016  # apt-get fills in the names
 mirror=${VDWMESH_DEBIAN_MIRROR:-$(apt-get indextargets --format '$(CODENAME) $(COMPONENT) $(REPO_URI)' \
   'Created-By: Packages' | awk '$1 ~ /^(bookworm|trixie)$/ && $2 == "main" {print $3; exit}')}
 http_proxy=$proxy debootstrap --variant=minbase "$suite" "$root" ${mirror:+"$mirror"} > "$work/debootstrap.log" 2>&1 || {
