@@ -68,7 +68,7 @@ class BoundaryInserter {
 
  private:
   void want_splits(const std::vector<std::uint32_t>& pieces) {
-    to_split_.insert(to_split_.end(), pieces.begin(), pieces.end());
+    for (const std::uint32_t piece : pieces) to_split_.push_back(piece);
   }
 
   // The projected boundary. It is projected when it is first asked for.

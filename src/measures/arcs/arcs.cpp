@@ -139,8 +139,10 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcReques
   is_doubtful.resize(spheres.size());
   find_places(list, request.measured, result, is_doubtful, places);
 
-  result.connected.reset();
-  if (request.topology != TopologyRequest::none) result.connected.emplace(spheres.size());
+  if (request.topology == TopologyRequest::none)
+    result.connected.reset();
+  else
+    result.connected.emplace(spheres.size());
   for (ArcThread& space : threads) space.sums = {};
   const ArcRun run{list, result, is_doubtful.data(),
                    result.connected ? &*result.connected : nullptr};

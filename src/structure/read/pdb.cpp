@@ -15,7 +15,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <gemmi/polyheur.hpp>
+#include <gemmi/model.hpp>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -184,6 +184,20 @@ bool is_symbol_of(std::string_view text, std::string_view name) {
          upper_case(trimmed(name)).starts_with(upper_case(text));
 }
 
+// Names the parts of a chain: its polymer, its water, and each other residue. gemmi finds entities
+// by these names; its own names are not the same in all its versions.
+void name_subchains(gemmi::Chain& chain) {
+  for (gemmi::Residue& residue : chain.residues) {
+    residue.subchain = chain.name;
+    if (residue.entity_type == gemmi::EntityType::Polymer)
+      residue.subchain += "poly";
+    else if (residue.entity_type == gemmi::EntityType::Water)
+      residue.subchain += "wat";
+    else
+      residue.subchain += residue.seqid.str();
+  }
+}
+
 // Reads one file: construct, then call run() once.
 class PdbReader {
  public:
@@ -206,8 +220,7 @@ class PdbReader {
                             ": has no ATOM or HETATM record, so there is nothing to mesh");
     for (gemmi::Model& model : file_.structure->models)
       for (gemmi::Chain& chain : model.chains)
-        if (chain.residues.front().entity_type != gemmi::EntityType::Unknown)
-          gemmi::assign_subchain_names(chain);
+        if (chain.residues.front().entity_type != gemmi::EntityType::Unknown) name_subchains(chain);
     file_.assemblies = biomolecules_.finish();
     return std::move(file_);
   }
