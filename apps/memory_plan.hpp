@@ -23,7 +23,7 @@ struct MemoryDemand {
   Backend backend = Backend::cpu;         // that makes the mesh
   Connectivity connectivity = Connectivity::triangles;
   Normals normals = Normals::gradients;
-  // Of a mesh that is refined, in triangles, as in MeshRequest.
+  // Of a mesh that is refined, in triangles, as in WantedMesh.
   std::uint64_t half_edges_up_to = std::numeric_limits<std::uint64_t>::max();
   MeshSize mesh;                            // of the finished mesh, once it is known
   std::optional<std::uint64_t> mesh_bytes;  // of a mesh that was read from a file

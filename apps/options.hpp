@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "cuda/backend.hpp"
+#include "cuda/backend_choice.hpp"
 #include "request/mesh_request.hpp"
 #include "structure/reader.hpp"
 

@@ -22,6 +22,7 @@
 #include "outcome.hpp"
 #include "pipeline/pipeline_bench.hpp"
 #include "report/output.hpp"
+#include "request/memory_limit.hpp"
 #include "steps/session.hpp"
 #include "thesis/thesis_bench.hpp"
 

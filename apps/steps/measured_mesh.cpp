@@ -27,7 +27,7 @@ namespace {
 
 // Frees what the mesher has made and neither measures nor comparison read, so that the measures
 // take this memory instead of new pages. The half-edges serve the conversion to OpenMesh for CGAL,
-// the normals a picture. A refinement does not even make them (MeshRequest).
+// the normals a picture. A refinement does not even make them (WantedMesh).
 void free_unread(IndexedMesh& mesh, const Options& options) {
   if (!checks_with_cgal(options.cgal_check, mesh.triangle_count())) {
     mesh.opposite = Buffer<std::uint32_t>();
@@ -38,7 +38,7 @@ void free_unread(IndexedMesh& mesh, const Options& options) {
 // The levels of a refinement are measured on all cores while the mesh is made, and in a time of
 // their own (record_levels()); then nothing else is done meanwhile.
 IndexedMesh make_beside(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
-                        const MeshRequest& request, const std::optional<StageWork>& beside) {
+                        const WantedMesh& request, const std::optional<StageWork>& beside) {
   if (!beside || surface.subdivisions > 0) return make_mesh(spheres, surface, session, request);
   IndexedMesh mesh;
   const auto make = [&] { mesh = make_mesh_untimed(spheres, surface, session, request); };
@@ -69,7 +69,7 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
   const auto estimate = check_memory_before(demand, spheres, limit);
   session.end_stage(&Timing::plan);
   std::vector<LevelReport> levels;
-  const MeshRequest request{
+  const WantedMesh request{
       .normals = demand.normals,
       .half_edges_up_to = demand.half_edges_up_to,
       .on_level =

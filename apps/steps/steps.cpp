@@ -65,7 +65,7 @@ int devices_for(const SurfaceOptions& surface, Session& session) {
 // Marching cubes and its refinement run as one pipeline, which keeps the mesh on the device between
 // the two.
 IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
-                       const MeshRequest& request, RefineOptions& refine, Report& report) {
+                       const WantedMesh& request, RefineOptions& refine, Report& report) {
   require_sensible_spacing(spheres, surface.grid.spacing);
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, refine.memory_limit);
@@ -270,7 +270,7 @@ std::future<void> start_device(const MachineOptions& machine, const SurfaceOptio
 }
 
 IndexedMesh make_mesh_untimed(const SphereSet& spheres, const SurfaceOptions& surface,
-                              Session& session, const MeshRequest& request) {
+                              Session& session, const WantedMesh& request) {
   Report& report = session.report;
   const Backend requested = session.machine.backend;
   report.backend = describe_backend(requested, resolve(requested));
@@ -285,7 +285,7 @@ IndexedMesh make_mesh_untimed(const SphereSet& spheres, const SurfaceOptions& su
 }
 
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
-                      const MeshRequest& request) {
+                      const WantedMesh& request) {
   IndexedMesh mesh = make_mesh_untimed(spheres, surface, session, request);
   Report& report = session.report;
   // The time that record_levels() took is of a stage of its own, Timing::levels.

@@ -41,7 +41,7 @@ Molecule load_molecule(const InputOptions& options, Session& session);
 
 // What of a mesh is made, and who hears of it meanwhile. The levels above the last one of a refined
 // mesh have normals and half-edges anyway; the observer may be empty.
-struct MeshRequest {
+struct WantedMesh {
   Connectivity connectivity = Connectivity::triangles;
   Normals normals = Normals::gradients;
   std::uint64_t half_edges_up_to = std::numeric_limits<std::uint64_t>::max();  // if it is refined
@@ -57,10 +57,10 @@ struct MeshRequest {
 // Extraction and refinement on the backend asked for. Throws InvalidInput when no grid node lies
 // inside the surface, so that the mesh would be empty.
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
-                      const MeshRequest& request = {});
+                      const WantedMesh& request = {});
 // The same without ending the stage.
 IndexedMesh make_mesh_untimed(const SphereSet& spheres, const SurfaceOptions& surface,
-                              Session& session, const MeshRequest& request);
+                              Session& session, const WantedMesh& request);
 
 // How a surface was meshed, with the values that hold, not those that were typed: a preset brings
 // its own. `grid` is of marching cubes.

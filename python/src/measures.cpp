@@ -10,6 +10,7 @@
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
+#include "cuda/backend.hpp"
 #include "cuda_array.hpp"
 #include "measures/frame_measures.hpp"
 #include "requests.hpp"

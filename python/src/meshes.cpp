@@ -11,6 +11,7 @@
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "creases/exact_mesher.hpp"
+#include "cuda/backend.hpp"
 #include "cuda_array.hpp"
 #include "excluded/excluded_mesher.hpp"
 #include "mesh/mesh_io.hpp"

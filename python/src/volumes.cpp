@@ -16,6 +16,7 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
+#include "cuda/backend.hpp"
 #include "mesh_handle.hpp"
 #include "request/memory_limit.hpp"
 #include "requests.hpp"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "cuda/backend.hpp"
+#include "cuda/backend_choice.hpp"
 #include "measures/exact_union.hpp"
 #include "request/refuse.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "analysis/study.hpp"
-#include "cuda/backend.hpp"
+#include "cuda/backend_choice.hpp"
 #include "extract/field.hpp"
 #include "measures/exact_union.hpp"
 #include "refine/refiner.hpp"
