@@ -23,7 +23,7 @@ work=$(mktemp -d)
 root=$work/root
 # shellcheck disable=SC2317  # the trap calls it
 clean_up() {
-  if mountpoint -q "$root/proc"; then umount "$root/proc"; fi
+  if mountpoint -q "$root/proc"; then umount -l "$root/proc"; fi
   rm -rf --one-file-system "$work"
 }
 trap clean_up EXIT
