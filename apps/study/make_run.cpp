@@ -1,6 +1,7 @@
-// Makes the meshes of one task. On the CPU one refinement gives the meshes of all levels, each of
-// which is measured on its way; the time and memory that this takes are counted for none of them.
-// A task of one level is measured when the pipeline is done.
+// Makes the meshes of one task: one setting with one or more levels of refinement. One refinement
+// makes the meshes of all levels, and each is measured when it is reached; no level counts the time
+// and memory that measuring takes. The mesh of a task of one level is measured when the pipeline
+// is done.
 #include "study/make_run.hpp"
 
 #include <algorithm>
@@ -64,24 +65,26 @@ class LevelRecorder {
       : task_(task), input_(input), options_(options), session_(session) {}
 
   void see(int level, const IndexedMesh& mesh) {
-    const double reached = watch_.seconds() - observed_;
-    if (level == 0) extracted_ = reached;
+    const double seconds = watch_.seconds() - measuring_seconds_;  // of the pipeline alone
+    if (level == 0) extract_seconds_ = seconds;
     peak_ = std::max(peak_, memory_.bytes());
     if (std::ranges::find(task_.levels, level) != task_.levels.end()) {
       StudyRun run = measure_run(mesh, at_level(task_.setting, level), input_, options_, session_);
       run.memory.peak = peak_;
-      if (level > 0) run.seconds.refine = reached - extracted_;
+      // finish() replaces that of the last level.
+      if (level > 0) run.seconds.refine = seconds - extract_seconds_;
       runs_.push_back(std::move(run));
     }
     // What measuring took does not count for the levels that follow: memory_ starts anew, while
-    // peak_ keeps the largest memory of the levels so far, and `reached` leaves out all the time
+    // peak_ keeps the largest memory of the levels so far, and `seconds` leaves out all the time
     // that see() has taken so far.
     memory_ = {};
-    observed_ = watch_.seconds() - reached;
+    measuring_seconds_ = watch_.seconds() - seconds;
   }
 
-  // Adds the times that the pipeline measured itself, and returns the runs. The time of refinement
-  // of the last level is the pipeline's as well; that of the levels before comes from `watch_`.
+  // Adds the times that the pipeline measured itself, and returns the runs. The setting of the task
+  // is that of its last level. The time of refinement of that level is the pipeline's as well; that
+  // of the levels before comes from `watch_`.
   std::vector<StudyRun> finish(const Timing& timing) && {
     for (StudyRun& run : runs_) {
       run.seconds.field = timing.field;
@@ -102,8 +105,8 @@ class LevelRecorder {
   Stopwatch watch_;
   PeakMemory memory_;
   std::optional<std::uint64_t> peak_;
-  double observed_ = 0;   // s that see() has taken
-  double extracted_ = 0;  // s from the start to level 0
+  double measuring_seconds_ = 0;  // that see() has taken
+  double extract_seconds_ = 0;    // from the start to level 0
   std::vector<StudyRun> runs_;
 };
 
@@ -119,7 +122,7 @@ IndexedMesh make_study_mesh(const StudyInput& input, const SurfaceOptions& surfa
 
 std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
                                 const StudyOptions& options, Monitor* monitor) {
-  Session session{options.machine, monitor, {}, {}};
+  Session session{.machine = options.machine, .monitor = monitor, .report = {}};
   session.machine.backend = value_named<Backend>("backend", task.setting.key.backend);
   const SurfaceOptions surface = surface_options(task.setting, options.surface);
   LevelRecorder recorder(task, input, options, session);

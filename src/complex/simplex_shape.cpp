@@ -5,8 +5,10 @@
 // whether double keeps enough digits of the polynomials; if not, T = Float100 evaluates them again.
 // Results are double in both cases.
 //
-// Notation: for balls a, b the half power offset w_b = (|ab|² + r_a² - r_b²) / 2 is the scalar
-// product of ab and the orthogonal centre, taken from the centre of a.
+// The orthogonal centre of two to four balls is the point in the line, plane or space of their
+// centres that has the same power |x - c|² - r² to all of them. For balls a, b the half power
+// offset w_b = (|ab|² + r_a² - r_b²) / 2 is the scalar product of ab and the vector from the centre
+// of a to the orthogonal centre.
 #include "complex/simplex_shape.hpp"
 
 #include <algorithm>
@@ -25,8 +27,8 @@ using Float100 = WideFloat;
 
 // A triangle is thin if the sine of its smallest angle is below kThinSine. A tetrahedron is flat if
 // six times its volume is below kFlatVolume times the product of the lengths of the three edges at
-// ball 0. At these limits double loses three digits of an angle and four digits of an orthogonal
-// centre: with some 1e-16 at first, it still gives them to 1e-13 and 1e-12.
+// ball 0. At these limits double loses three of its sixteen digits of an angle and four of an
+// orthogonal centre, and gives them to 1e-13 and 1e-12.
 constexpr double kThinSine = 1e-3;
 constexpr double kFlatVolume = 1e-4;
 
@@ -35,8 +37,9 @@ constexpr double kFlatVolume = 1e-4;
 // radius, and would lose six digits or more in double.
 constexpr double kShortChord = 1e-3;
 
-// The polynomials below have up to eight lengths in a product. If edges are at least kShortEdge =
-// 2^-100 long, such a product is at least 2^-800, so nothing underflows.
+// The polynomials below have up to ten lengths in a product (the squares in common_point_terms()).
+// If edges are at least kShortEdge = 2^-100 long, a product of ten is at least 2^-1000. The least
+// normal double is 2^-1022, so nothing underflows.
 constexpr double kLeastSquaredLength = kShortEdge * kShortEdge;
 
 using numbers::from_to;
@@ -70,7 +73,7 @@ Float100 root(const Float100& square) {
   if (square <= 0) return 0;
   auto exponent = ilogb(square);
   exponent -= exponent % 2;
-  const Float100 mantissa = ldexp(square, -exponent);  // in (1/2, 4)
+  const Float100 mantissa = ldexp(square, -exponent);  // in [1/2, 4)
   Float100 inverse = 1 / std::sqrt(to_double(mantissa));
   for (int step = 0; step < 3; ++step) {
     inverse += inverse * (1 - mantissa * inverse * inverse) / 2;
@@ -95,9 +98,13 @@ Vec3d quotient(const Vector<T>& v, const T& divisor) {
 
 // The shape of a triangle. For the edge ab opposite to vertex c, with L = |ab|² and G = (twice the
 // area)²:
-//   distance       = (w_c L - w_b ab·ac) / sqrt(G L)
-//   squared circle = (r_a² L - w_b²) / L
-//   half_chord²    = squared circle - distance²
+//   distance of the orthogonal centre from the line ab, positive towards c:
+//                                               (w_c L - w_b ab·ac) / sqrt(G L)
+//   squared radius of the circle in which the spheres of a and b meet:
+//                                               (r_a² L - w_b²) / L
+//   half_chord², of the two points common to the three spheres:
+//                                               the squared radius - distance²
+// The variables that begin with "scaled" are their numerators.
 template <class T>
 TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
   const Vector<T> normal = cross(from_to<T>(*v[0], *v[1]), from_to<T>(*v[0], *v[2]));
@@ -110,16 +117,16 @@ TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
     const Vector<T> ab = from_to<T>(a, b), ac = from_to<T>(a, c);
     const T wb = half_power_offset(a, b, ab), wc = half_power_offset(a, c, ac);
     const T squared_length = dot(ab, ab), scale = twice_area * root(squared_length);
-    const T distance = wc * squared_length - wb * dot(ab, ac);
-    shape.distance[k] = ratio(distance, scale);
+    const T scaled_distance = wc * squared_length - wb * dot(ab, ac);
+    shape.distance[k] = ratio(scaled_distance, scale);
     // half_chord is the same for all three edges. The smallest circle gives it with the least
     // rounding.
-    const T circle = T(a.radius) * T(a.radius) * squared_length - wb * wb;
-    const double squared_circle_radius = ratio(circle, squared_length);
+    const T scaled_circle = T(a.radius) * T(a.radius) * squared_length - wb * wb;
+    const double squared_circle_radius = ratio(scaled_circle, squared_length);
     if (k > 0 && squared_circle_radius >= smallest) continue;
     smallest = squared_circle_radius;
-    const T chord = circle * gram - distance * distance;
-    shape.half_chord = ratio(root(chord), scale);
+    const T scaled_chord = scaled_circle * gram - scaled_distance * scaled_distance;
+    shape.half_chord = ratio(root(scaled_chord), scale);
   }
   return shape;
 }
@@ -137,10 +144,10 @@ bool is_thin(const Vector<double>& u, const Vector<double>& v) {
   return !(dot(normal, normal) >= kThinSine * kThinSine * two_longest);
 }
 
-// The denominator in the formula of Van Oosterom and Strackee 1983 for the solid angle that p, q
-// and a point x common to the three spheres span at o: the tangent of half of it is det(op, oq, ox)
-// over |op| |oq| |ox| + (op·oq) |ox| + (op·ox) |oq| + (oq·ox) |op|. Here |ox| is the radius of o,
-// and op·ox, oq·ox are half power offsets.
+// Let x be a point common to the three spheres, and s the solid angle of the triangle p, q, x seen
+// from o. Van Oosterom and Strackee 1983: tan(s / 2) = det(op, oq, ox) / d, with
+//   d = |op| |oq| |ox| + (op·oq) |ox| + (op·ox) |oq| + (oq·ox) |op|.
+// Returns d. Here |ox| is the radius of o, and op·ox, oq·ox are half power offsets.
 template <class T>
 T solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q) {
   const Vector<T> op = from_to<T>(o, p), oq = from_to<T>(o, q);
@@ -155,11 +162,12 @@ bool is_short(double half_chord, const Sphere& a, const Sphere& b, const Sphere&
 }
 
 // The polynomials behind a tetrahedron's angles and heights, with the centre of ball 0 as origin.
+// normal[k] is normal to the facet opposite to vertex k and as long as twice the facet's area. It
+// points outward, because the triangulation gives tetrahedra of positive determinant.
 template <class T>
 struct TetrahedronTerms {
   std::array<Vector<T>, 3> edge;  // from ball 0 to balls 1, 2, 3
-  std::array<Vector<T>, 4>
-      normal;  // of the facet opposite to k: outward, as long as twice its area
+  std::array<Vector<T>, 4> normal;
   std::array<T, 4> squared_normal;
   T determinant;  // six times the volume
 
@@ -183,7 +191,8 @@ void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& te
   // turn π into -π.
   const T determinant = terms.determinant <= 0 ? T(0) : terms.determinant;
   for (std::size_t p = 0; p < 6; ++p) {
-    // The facets at an edge are those opposite to the other two vertices.
+    // The facets at an edge are those opposite to the other two vertices. The pairs are 01, 02, 03,
+    // 12, 13 and 23, so these vertices are pair 5 - p.
     const auto &m = terms.normal[kPairs[5 - p][0]], &n = terms.normal[kPairs[5 - p][1]];
     const auto edge = from_to<T>(v[kPairs[p][0]], v[kPairs[p][1]]);
     shape.dihedral[p] = angle(T(determinant * root(T(dot(edge, edge)))), T(-dot(m, n)));
@@ -210,15 +219,16 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
   const Vector<T> center = center_numerator(v, terms);
   const T& d = terms.determinant;
   for (std::size_t k = 0; k < 4; ++k) {
-    T reach = dot(center, terms.normal[k]);
-    if (k == 0) reach += d * d;  // ball 0 is not on facet 0, but d / |n| above it
-    shape.center_height[k] = ratio(reach, T(d * root(terms.squared_normal[k])));
+    T scaled_height = dot(center, terms.normal[k]);
+    if (k == 0) scaled_height += d * d;  // ball 0 is not on facet 0, but d / |n| above it
+    shape.center_height[k] = ratio(scaled_height, T(d * root(terms.squared_normal[k])));
   }
 }
 
 // The points common to three spheres, times the squared normal |n|² = `gram` of the triangle. With
 // u = ab, v = ac and n = u × v, the orthogonal centre in the plane is (w_u v×n + w_v n×u) / |n|².
-// The points lie above and below it by sqrt(r_a² - |centre|²).
+// The points lie above and below it by sqrt(r_a² - |centre|²). All are relative to the centre of a.
+// `added_square` is added to the squared radius of every ball.
 template <class T>
 struct CommonPointTerms {
   Vector<T> normal, center;  // `center` and `half_chord` are multiplied by `gram`
@@ -227,13 +237,13 @@ struct CommonPointTerms {
 
 template <class T>
 CommonPointTerms<T> common_point_terms(const Sphere& a, const Sphere& b, const Sphere& c,
-                                       const T& more) {
+                                       const T& added_square) {
   const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
   const Vector<T> vn = cross(v, n), nu = cross(n, u);
   const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v), gram = dot(n, n);
   const Vector<T> center{wu * vn.x + wv * nu.x, wu * vn.y + wv * nu.y, wu * vn.z + wv * nu.z};
   const T scaled_radius = T(a.radius) * gram;
-  const T scaled_square = scaled_radius * scaled_radius + more * gram * gram;
+  const T scaled_square = scaled_radius * scaled_radius + added_square * gram * gram;
   return {n, center, gram, root(T(scaled_square - dot(center, center)))};
 }
 
@@ -247,7 +257,8 @@ CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
   return {middle + lift, middle - lift, half_chord, to_double(twice_area)};
 }
 
-// The shape of a tetrahedron. A solid angle is the sum of three dihedral angles less π.
+// The shape of a tetrahedron. A solid angle is the sum of the dihedral angles at its three edges,
+// less π: vertex 1 has the edges 01, 12 and 13, which are the pairs 0, 3 and 4.
 template <class T>
 TetrahedronShape shape_in(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
   TetrahedronShape shape{};
@@ -272,13 +283,14 @@ bool is_flat(const TetrahedronTerms<double>& terms) {
          is_thin(difference(e[1], e[0]), difference(e[2], e[0]));
 }
 
-// The shape of an edge. The squared circle radius r² - h² = (r - h)(r + h) is taken on the smaller
+// The shape of an edge. With h the height of the orthogonal centre over a ball's centre along the
+// edge, the squared radius of the circle is r² - h² = (r - h)(r + h). It is computed on the smaller
 // sphere, which has the smaller rounding error.
 template <class T>
 EdgeShape shape_in(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
   const T length = root(T(dot(ab, ab)));
   const double at_a = ratio(half_power_offset(a, b, ab), length),
-               at_b = ratio(half_power_offset(b, a, ab), length);
+               at_b = ratio(half_power_offset(b, a, ab), length);  // |ba| = |ab|
   const bool a_smaller = a.radius < b.radius;
   const double radius = a_smaller ? a.radius : b.radius, height = a_smaller ? at_a : at_b;
   const double squared = (radius - height) * (radius + height);
@@ -291,7 +303,8 @@ T twice_area(const Sphere& a, const Sphere& b, const Sphere& c) {
   return root(T(dot(normal, normal)));
 }
 
-// The solid angles of a corner tetrahedron at its three centres. `determinant` is the determinant
+// The vertices of a corner tetrahedron are the centres of three balls and one of the two points
+// common to their spheres. Its solid angles at the three centres. `determinant` is the determinant
 // of two edge vectors of the triangle and the vector to the common point, all from the same centre;
 // it is the same for every centre.
 template <class T>
@@ -327,8 +340,8 @@ CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
 
 std::array<numbers::Vector<WideFloat>, 2> common_points_wide(const Sphere& a, const Sphere& b,
                                                              const Sphere& c,
-                                                             const WideFloat& more) {
-  const CommonPointTerms<Float100> terms = common_point_terms<Float100>(a, b, c, more);
+                                                             const WideFloat& added_square) {
+  const CommonPointTerms<Float100> terms = common_point_terms<Float100>(a, b, c, added_square);
   const Float100 lift = terms.half_chord / (terms.gram * root(terms.gram));
   const auto at = [&](const Float100& center, const Float100& normal, const Float100& side) {
     return WideFloat(Float100(center / terms.gram + side * normal));
@@ -350,6 +363,8 @@ Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
 
 double corner_dihedral(const std::array<const Sphere*, 3>& balls, const TriangleShape& triangle,
                        std::size_t k) {
+  // The spheres touch in one point on the line of the edge. If the point lies between the ends, the
+  // angle is the limit of a chord that shrinks; atan2(0, 0) would give 0.
   if (triangle.half_chord == 0 && triangle.distance[k] == 0) {
     const Sphere &a = *balls[(k + 1) % 3], &b = *balls[(k + 2) % 3];
     const EdgeShape edge = edge_shape(a, b);

@@ -1,18 +1,20 @@
 // A constrained Delaunay triangulation of points in the plane, built by inserting points one by one
-// and flipping edges (Lawson 1977, "Software for C1 surface interpolation"). Arrays of indices that
-// are kept from one patch to the next; no memory is taken per triangle.
+// and flipping edges (Lawson 1977, "Software for C1 surface interpolation"). A *piece* is a
+// constrained edge, which has a number. Triangles and vertices are indices into arrays, which keep
+// their memory from one patch to the next.
 //
 // All points lie in a frame, a triangle whose corners are vertices of the triangulation as well.
 // Inside a polygon of constrained edges the triangles do not depend on what lies outside it, so the
 // frame need not be far away.
 //
-// Tests are exact (plane_predicates.hpp): nearly all are decided in double, and the rest on the
-// host in exact arithmetic. On the device the triangulation fails at the rest (patch_memory.hpp).
-// The steps are in plane_insertion.hpp, for both. But where points come from a patch, ties are
-// common and must not be decided by rounding, or a molecule would get other triangles after a
-// translation. There the edge that is there stays if four points were sampled from one circle, or
-// lie on one but for kTie, and either edge between them is as good. Symmetric patches and the
-// lattice inside of them have such points.
+// Tests are exact (plane_predicates.hpp). Double decides nearly all of them, and exact arithmetic
+// the rest on the host. On the device, a test that double cannot decide makes the triangulation
+// fail (patch_memory.hpp). plane_insertion.hpp has the steps, for host and device.
+//
+// Ties: symmetric patches, and the lattice inside of them, have many points on one circle. Rounding
+// must not decide between their edges, or a molecule would get other triangles after a translation.
+// So if four points were sampled from one circle, or lie on one within kTie, both diagonals are
+// Delaunay, and the present one stays.
 #pragma once
 
 #include <array>
@@ -40,18 +42,19 @@ class PlaneTriangulationOf : public PlaneTypes {
 
   // Starts anew with the given points, which are the vertices 0, 1, ..., but are not inserted yet.
   // The frame is made so large that it contains them. `circles` says which of them lie on one
-  // circle, and must outlive the use. If it is null, nothing is a tie but what exact tests say is
-  // one. Precondition: coordinates of at most kLargestCoordinate / 4.
+  // circle, and must outlive the use. If it is null, only points that lie exactly on one circle
+  // are a tie. Precondition: coordinates of at most kLargestCoordinate / 4.
   VDWMESH_HD void start(std::span<const PlanePoint> points, const Circles* circles);
-  // For going on from there later with resume().
+  // save() copies the triangulation to `state`, and resume() goes on from it.
   void save(State& state) const;
   void resume(const State& state, const Circles* circles);
-  // The same without a copy: between two calls of swap() with one state, the first followed by
-  // resume_swapped(), the triangulation works in the arrays of the state. There will be room for
-  // so many more points; the other arrays grow with it.
+  // The same without a copy: swap(s), resume_swapped(more, circles), any use, swap(s). In between
+  // the triangulation works in the arrays of s, with room for `more_points` further points and
+  // their triangles.
   void swap(State& state);
   void resume_swapped(std::size_t more_points, const Circles* circles);
-  // Goes on from a state in other arrays, whose sizes are `points` and `triangles`.
+  // Goes on from a state in plain arrays. `largest` is State::largest; plane_points and star have
+  // `points` elements, linked has `triangles`.
   VDWMESH_HD void resume(double largest, const PlanePoint* plane_points, const std::uint32_t* star,
                          std::size_t points, const LinkedTriangle* linked, std::size_t triangles,
                          const Circles* circles);
@@ -109,7 +112,8 @@ class PlaneTriangulationOf : public PlaneTypes {
   }
 
   // Whether a triangle is marked as inside a patch. Triangles that an insertion makes of a marked
-  // triangle are marked, too; flips never join marked and unmarked triangles, if pieces part them.
+  // triangle are marked, too. Pieces, which are never flipped, must part marked triangles from
+  // others, so that flips keep the marks right.
   VDWMESH_HD bool is_inside(std::uint32_t t) const { return inside_[t] == Side::inside; }
   VDWMESH_HD void mark_inside(std::uint32_t t) { inside_[t] = Side::inside; }
 
@@ -119,16 +123,17 @@ class PlaneTriangulationOf : public PlaneTypes {
            memory_.has_room(triangles_, 2) && memory_.has_room(inside_, 2);
   }
   VDWMESH_HD bool has_failed() const { return memory_.has_failed(); }
-  // Makes bounded memory fail.
+  // Gives up this patch because an angle is too small: bounded memory fails.
   VDWMESH_HD void leave_small_angle() const { memory_.leave_small_angle(); }
-  // Calls visit(array, kind) for every array, to give bounded ones their memory: those of the
-  // state, in the order of PlaneTypes::State, and all others.
+  // Calls visit(array, kind) for each array of the state, in the order of PlaneTypes::State, to
+  // give bounded arrays their memory.
   template <class Visit>
   VDWMESH_HD void visit_state(const Visit& visit) {
     visit(points_, PatchArray::plane_points);
     visit(triangles_, PatchArray::triangles);
     visit(star_, PatchArray::plane_points);
   }
+  // The same for all other arrays.
   template <class Visit>
   VDWMESH_HD void visit_scratch(const Visit& visit) {
     visit(inside_, PatchArray::triangles);
@@ -143,6 +148,7 @@ class PlaneTriangulationOf : public PlaneTypes {
   VDWMESH_HD std::uint64_t exact_tests() const { return exact_tests_; }
 
  private:
+  // The bodies of locate() and insert().
   VDWMESH_HD Location locate_here(const PlanePoint& p, std::uint32_t near);
   VDWMESH_HD void insert_here(std::uint32_t vertex, const Location& at);
 
@@ -160,8 +166,9 @@ class PlaneTriangulationOf : public PlaneTypes {
   VDWMESH_HD int in_circle(const LinkedTriangle& t, const PlanePoint& p, std::uint32_t vertex);
   VDWMESH_HD bool share_circle(const LinkedTriangle& t, std::uint32_t vertex) const;
 
-  // The sides of a triangle's edges on which a point lies: a corner with the point beyond its edge,
-  // or kInside; and the edges on whose lines it lies, one bit each, if it is beyond none.
+  // Where a point lies from a triangle. `beyond` is a corner whose opposite edge parts the point
+  // from the triangle, or kInside if there is none. In this case bit k of `on` says whether the
+  // point lies on edge k.
   struct EdgeSides {
     std::uint32_t beyond, on;
   };
@@ -197,8 +204,8 @@ class PlaneTriangulationOf : public PlaneTypes {
   Array<PlanePoint> points_;
   Array<LinkedTriangle> triangles_;
   Array<std::uint32_t> star_;  // by vertex: a triangle at it
-  // An enumeration and no std::uint8_t: writing a character, a compiler has to reckon with a change
-  // of everything else.
+  // An enumeration and no std::uint8_t: a character may alias everything, so the compiler would
+  // load all members again after each write.
   enum class Side : std::uint8_t { outside, inside };
   Array<Side> inside_;           // by triangle
   Array<std::uint32_t> stack_;   // scratch memory: triangles to look at
@@ -206,14 +213,14 @@ class PlaneTriangulationOf : public PlaneTypes {
   Array<TriangleEdge> found_;
   Array<ListedEdge> crossed_, flipped_;  // scratch memory of insert_piece()
   std::uint32_t search_ = 0;             // number of the last search
-  std::uint32_t turn_ = 0;               // where locate() begins in a triangle
+  std::uint32_t turn_ = 0;               // the corner whose edge locate() tests first
   std::uint64_t exact_tests_ = 0;
 };
 
 using PlaneTriangulation = PlaneTriangulationOf<GrowingMemory>;
 
-// Those of the host are compiled in plane_triangulation.cpp, these two for two generations of
-// processors (core/lanes/multiversion.hpp).
+// The triangulation of the host is compiled in plane_triangulation.cpp, locate() and insert() for
+// two generations of processors (core/lanes/multiversion.hpp).
 template <>
 PlaneTypes::Location PlaneTriangulation::locate(const PlanePoint& p, std::uint32_t near);
 template <>

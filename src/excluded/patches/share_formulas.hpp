@@ -20,7 +20,7 @@ VDWMESH_HD inline double triangle_angle(const Vec3d& a, const Vec3d& b, const Ve
 // A directed circular arc on the unit sphere.
 struct SphereArc {
   Vec3d axis;
-  double cosine;  // of the circle
+  double cosine;  // of the circle's angular radius: axis · point
   Vec3d from;
   double angle;  // counter-clockwise about the axis; negative: clockwise
 
@@ -31,14 +31,16 @@ struct SphereArc {
   }
 };
 
-// The fan from z over an arc from p to q of at most one radian: the fan over the chord, the great
-// circle from p to q, and the area between chord and arc. Taken from the circle's axis, that area
-// is the fan over the arc, angle (1 - cosine), less the fan over the chord.
+// The fan from z over an arc from p to q of at most one radian. It is the triangle z p q plus the
+// area between the arc and its chord, which is the great circle from p to q. Seen from the circle's
+// axis, that area is the fan over the arc, angle (1 - cosine), less the triangle axis p q.
 VDWMESH_HD inline double short_fan(const Vec3d& z, const SphereArc& arc, const Vec3d& p,
                                    const Vec3d& q, double angle) {
   return triangle_angle(z, p, q) + angle * (1 - arc.cosine) - triangle_angle(arc.axis, p, q);
 }
 
+// The fan from z over the part of an arc between two fractions of it, in steps of at most one
+// radian.
 VDWMESH_HD inline double fan(const Vec3d& z, const SphereArc& arc, double begin, double end) {
   const double angle = (end - begin) * arc.angle, turned = std::abs(angle);
   const int steps = turned > 1 ? static_cast<int>(std::ceil(turned)) : 1;

@@ -1,5 +1,6 @@
-// Numbers are read with std::from_chars, which does not depend on the locale and needs no copy of
-// the field.
+// Splits the text of structure files into lines and fields, and reads their numbers. No number
+// depends on the locale or needs a copy of its field: short_decimal() reads the short decimals of
+// most files, read_double() all others, and std::from_chars the integers.
 #include "structure/read/lines.hpp"
 
 #include <fmt/format.h>
@@ -22,16 +23,17 @@ constexpr std::string_view kBlanks = " \t\r\n\v\f";
 bool is_white_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 // The index of the first LF or CR; the length of the text if it has neither. Both are looked for in
-// short pieces, because a file may have only one of them.
+// short pieces: in a file without CR, a search for the first one would run to the end of the file
+// for every line.
 std::size_t find_line_end(std::string_view text) {
   constexpr std::size_t kPiece = 256;
   for (std::size_t first = 0; first < text.size(); first += kPiece) {
     std::string_view piece = text.substr(first, kPiece);
-    const std::size_t feed = piece.find('\n');
-    piece = piece.substr(0, feed);
-    const std::size_t back = piece.find('\r');
-    if (back != piece.npos) return first + back;
-    if (feed != piece.npos) return first + feed;
+    const std::size_t lf = piece.find('\n');
+    piece = piece.substr(0, lf);
+    const std::size_t cr = piece.find('\r');
+    if (cr != piece.npos) return first + cr;
+    if (lf != piece.npos) return first + lf;
   }
   return text.size();
 }
@@ -74,9 +76,10 @@ std::vector<std::string_view> split_at_blanks(std::string_view line) {
   return fields;
 }
 
-// Its digits are an integer below 2^53 and the power of ten is below 10^22, so doubles hold both
-// exactly, and their quotient is rounded once, as from_chars() rounds the number (Clinger, "How to
-// read floating point numbers accurately", 1990).
+// Reads [-]digits[.digits] of at most 15 digits, and nothing else. The digits are an integer below
+// 2^53 and the power of ten is below 10^22, so doubles hold both exactly, and their quotient is
+// rounded once, as from_chars() rounds the number (Clinger, "How to read floating point numbers
+// accurately", 1990).
 std::optional<double> short_decimal(std::string_view value) {
   constexpr std::size_t kMostDigits = 15;
   static constexpr std::array<double, kMostDigits + 1> kPowers{
@@ -105,7 +108,8 @@ std::optional<double> short_decimal(std::string_view value) {
 std::optional<double> finite_number(std::string_view field) {
   field = trimmed(field);
   if (const std::optional<double> number = short_decimal(field)) return number;
-  // from_chars accepts no plus sign, so the sign is removed first. "+-3" keeps it and is refused.
+  // read_double() accepts no plus sign, so the sign is removed first. "+-3" keeps it and is
+  // refused.
   if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
   double value = 0;
   const auto [end, error] = read_double(field.data(), field.data() + field.size(), value);
