@@ -1,4 +1,5 @@
-// Level 0 on the device: projects the vertices of the given mesh onto the surface.
+// Level 0 on the device: projects the vertices of the mesh that is to be refined onto the surface,
+// and takes back the moves after which triangles would cross.
 //
 // Most vertices of a marching cubes mesh of the union lie on it already. The others are called
 // astray here. A first kernel finds them: a warp gathers the balls near 128 vertices and compares
@@ -54,6 +55,7 @@ __global__ void __launch_bounds__(kThreads)
   const std::uint64_t first = (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kGroup;
   if (first >= mesh.vertices) return;
   const std::uint64_t end = first + kGroup < mesh.vertices ? first + kGroup : mesh.vertices;
+  // One box around the vertices of the warp: each lane adds its own, join() unites them.
   PointsBox box(mesh.positions[first]);
 #pragma unroll
   for (unsigned round = 0; round < kRounds; ++round) {
@@ -66,25 +68,24 @@ __global__ void __launch_bounds__(kThreads)
   unsigned strays = 0;
   for (std::uint64_t v = first + lane; v < end; v += kWarp) {
     const Vec3d p = mesh.positions[v];
-    // The vertex does not move here: one search per vertex.
-    balls.begin(0);
+    balls.begin(0);  // the vertex does not move, so this search is its only one
     const NearestBall near = balls.nearest(p, kProjectionTolerance);
     const bool stays = near.found && std::abs(near.gap) <= kProjectionTolerance;
     move_states[v] = stays ? MoveState::stayed : kAstray;
     strays += stays ? 0 : 1;
     if (!stays) continue;
     // The result that a projection gives if no step is needed.
-    const ProjectedPoint where{p,
-                               std::abs(near.gap),
-                               {surface.list.id[near.place], kNoSphere, kNoSphere},
-                               0,
-                               ProjectionOutcome::converged};
+    const ProjectedPoint where{.position = p,
+                               .residual = std::abs(near.gap),
+                               .spheres = {surface.list.id[near.place], kNoSphere, kNoSphere},
+                               .steps = 0,
+                               .outcome = ProjectionOutcome::converged};
     tally.add(where);
     relabel(surface, mesh, v, where);
     renew_normal(surface, mesh, v);
   }
+  // The loop ends earlier for some lanes, but all take part in the sums.
   __syncwarp();
-  // All lanes take part, but the loop ends earlier for some: hence the synchronisation above.
   strays = __reduce_add_sync(kAllLanes, strays);
   if (strays > 0 && lane == 0) atomicAdd(astray, strays);
   tally.add_to(stats);

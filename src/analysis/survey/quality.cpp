@@ -4,9 +4,12 @@
 //  1. The corners of a block of triangles are gathered into arrays of coordinates.
 //  2. Loops that the compiler makes vectors of compute the edge lengths and the area of each
 //     triangle, and from these its smallest angle and its aspect ratio.
-//  3. The values of a block go to BracketedValues (analysis/distances/distribution.hpp) or into a
-//  histogram,
-//     while they are in the cache. Only the histogram of edge lengths wants an array of all.
+//  3. While the values of a block are in the cache, they go to BracketedValues or into a histogram.
+//     Only the histogram of edge lengths needs all values in one array.
+//
+// Brackets are narrow intervals around the percentiles that a sample leads to expect: only values
+// in them are stored, all others are counted (analysis/distances/distribution.hpp). If a percentile
+// lies in no bracket, a second pass stores all values.
 //
 // The edge lengths come from survey_part(), which sees each edge once.
 //
@@ -72,16 +75,16 @@ void gather(const IndexedMesh& mesh, std::size_t first, std::size_t count, Shape
 // so the ratio of a triangle of finite area is finite. A triangle with a repeated index has area 0,
 // even if rounding would give another one.
 VDWMESH_MULTIVERSION void compute(std::size_t count, ShapeBlock& block) {
-  const auto& [p, q, r] = block.corners;
+  const auto& [first, second, third] = block.corners;
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec3d a{p.x[i], p.y[i], p.z[i]};
-    const Vec3d ab = Vec3d{q.x[i], q.y[i], q.z[i]} - a, ac = Vec3d{r.x[i], r.y[i], r.z[i]} - a;
-    const Vec3d bc = Vec3d{r.x[i], r.y[i], r.z[i]} - Vec3d{q.x[i], q.y[i], q.z[i]};
-    const double l = norm(ab), m = norm(ac), n = norm(bc);
+    const Vec3d p{first.x[i], first.y[i], first.z[i]}, q{second.x[i], second.y[i], second.z[i]},
+        r{third.x[i], third.y[i], third.z[i]};
+    const Vec3d pq = q - p, pr = r - p;
+    const double l = norm(pq), m = norm(pr), n = norm(r - q);
     const double larger = std::max(l, m), smaller = std::min(l, m);
     const double longest = std::max(larger, n), rest = std::min(larger, n);
     const double middle = std::max(smaller, rest), shortest = std::min(smaller, rest);
-    const double area = block.is_proper[i] != 0 ? norm(cross(ab, ac)) / 2 : 0;
+    const double area = block.is_proper[i] != 0 ? norm(cross(pq, pr)) / 2 : 0;
     block.sine[i] = 4 * area;
     block.cosine[i] = middle * middle + (longest - shortest) * (longest + shortest);
     const double ratio =
@@ -91,7 +94,8 @@ VDWMESH_MULTIVERSION void compute(std::size_t count, ShapeBlock& block) {
   }
 }
 
-// The shapes of one block of triangles. Each thread has one.
+// A thread's memory for the shapes of the triangles of one task, computed block by block. The
+// result of of() is valid until the next call.
 struct Shapes {
   ShapeBlock block;
   std::vector<double> angles, ratios;
@@ -122,7 +126,7 @@ double place(double value, BinScale scale, double lower, double upper) {
   return std::log(value / lower) / std::log(upper / lower);
 }
 
-// The values of a set of triangles by brackets.
+// The values of a set of triangles in brackets. add() is called by several threads at once.
 struct BracketedShapes {
   BracketedValues angles, ratios;
 
@@ -134,7 +138,7 @@ struct BracketedShapes {
   }
 };
 
-// The histogram of the sums of parts. Precondition: all have the same bins.
+// Adds the counts of `other` to `sum`. Precondition: both have the same bins.
 void add(Histogram& sum, const Histogram& other) {
   sum.below += other.below;
   sum.above += other.above;
@@ -154,12 +158,13 @@ void visit_shapes(const MeshPart& part,
 
 std::size_t usual_sample_step(std::uint64_t triangles) {
   constexpr std::uint64_t kSample = 1 << 13;  // triangles
+  // An odd step, since meshes often store triangles in pairs.
   return static_cast<std::size_t>(triangles / kSample + 1) | 1;
 }
 
 QualitySample sample_quality(const MeshPart& part, std::size_t step) {
   QualitySample sample;
-  if (part.triangles < kFewTriangles) return sample;
+  if (part.triangles < kFewTriangles) return sample;  // without a sample, all values are stored
   Shapes shapes;
   for (std::size_t t = 0; t < part.triangles; t += step) {
     const auto& [a, b, c] = part.mesh.triangles[t];
@@ -174,8 +179,8 @@ QualitySample sample_quality(const MeshPart& part, std::size_t step) {
   return sample;
 }
 
-// The values are made with brackets from the sample, and again with brackets for everything if a
-// percentile was missed.
+// The first try takes brackets from the sample. If a percentile is in none of them, the second one
+// stores all values.
 MeshQuality quality_of_triangles(const IndexedMesh& mesh, QualitySample sample) {
   MeshQuality result{};
   const auto fill = [&](const Brackets& of_angles, const Brackets& of_ratios) {
@@ -212,7 +217,12 @@ Histogram histogram(std::span<const double> values, BinScale scale, double lower
     throw InvalidInput(
         "the bounds of a histogram must rise, those of logarithmic bins from above 0");
   }
-  Histogram result{scale, lower, upper, 0, 0, std::vector<std::uint64_t>(bins)};
+  Histogram result{.scale = scale,
+                   .lower = lower,
+                   .upper = upper,
+                   .below = 0,
+                   .above = 0,
+                   .counts = std::vector<std::uint64_t>(bins)};
   for (const double value : values) {
     // Written with ! so that NaN counts as below.
     if (!(value >= lower)) {
@@ -233,9 +243,11 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   const MeshPart part = whole(mesh);
   BracketedValues lengths(bracket_of_everything());
   survey_part(part, {&lengths});
+  // All values are in the only bracket. Edge lengths have four bins for each factor of 2, Å.
   result.edge_length = histogram(lengths.inside(0), BinScale::logarithmic, 0x1p-10, 4, 48);
   // The smallest angle of a triangle is at most 60 degrees and its aspect ratio at least 1. Values
-  // that rounding put beyond these bounds are moved to the bound, so that they count in a bin.
+  // that rounding put beyond these bounds are moved to the bound, so that they count in a bin. A
+  // bin of angles has 2 degrees; ratios have four bins for each factor of 2.
   const auto of_angles = [](std::span<const double> angles) {
     return histogram(angles, BinScale::linear, 0, 60, 30);
   };

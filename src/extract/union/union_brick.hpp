@@ -28,8 +28,8 @@
 
 namespace vdwmesh {
 
-// A Surface as brick_extraction.hpp asks for it. One object works for one thread: visit() moves it
-// to a brick, and the other functions compute the signs or vertices of that brick.
+// Meets the concept Surface of brick_extraction.hpp. One object works for one thread: visit() moves
+// it to a brick, and the other functions compute the signs or vertices of that brick.
 class UnionBrick {
  public:
   UnionBrick(const CellListView& list, const FieldModel& model)
@@ -116,7 +116,7 @@ inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
   }
 }
 
-// Sets touching_ for all crossed edges. Most edges are touched by one or two of the brick's balls.
+// Sets touching_ for all crossed edges. Most edges are touched by one of the brick's balls.
 // The balls that do not touch an edge cannot change where the edge leaves the union.
 inline void UnionBrick::find_touching(const BrickEdges& edges) {
   lanes_.count = edges.all().size();
@@ -169,23 +169,24 @@ void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint&
 // branches computes, for every edge, the exit from the touching ball of lowest index, and collects
 // the edges that several balls may touch. A second loop computes these again with the full rule.
 // The first loop writes every edge to shared_[shared] and advances `shared` only past edges to be
-// kept, so that it has no branch. The one extra element is a reserve.
+// kept, so that it has no branch.
 template <int axis>
 void UnionBrick::find_exits(const BrickEdges& edges) {
   const std::span<const std::uint16_t> along = edges.along<axis>();
-  shared_.resize(along.size() + 1);
+  shared_.resize(along.size());
   std::size_t shared = 0;
   for (const std::uint16_t e : along) {
     const std::uint32_t bits = touching_[e];
     shared_[shared] = e;
-    shared += (bits & (bits - 1)) != 0 || balls_.size() > 32 ? 1 : 0;
+    const bool several = (bits & (bits - 1)) != 0, unknown = balls_.size() > 32;
+    shared += several || unknown ? 1 : 0;
     // `bits` covers balls 0 .. 31 only. It can be 0 only if there are more than 32 balls, because
     // some ball holds the inside node. Then ball 31 exists, the loop uses it for want of a touching
     // ball, and the second loop overwrites the meaningless vertex.
     const auto k = static_cast<std::uint32_t>(std::countr_zero(bits | 1u << 31));
     const InsideEnd from = inside_end<axis>(edges.all()[e]);
-    const double exit = exit_of_holder(balls_[k], from.node, axis, from.direction);
-    put_exit<axis>(e, from, clamp_to_edge(exit, grid_.spacing, k));
+    const double distance = exit_of_holder(balls_[k], from.node, axis, from.direction);
+    put_exit<axis>(e, from, clamp_to_edge(distance, grid_.spacing, k));
   }
   for (std::size_t i = 0; i < shared; ++i) find_shared_exit<axis>(shared_[i], edges);
 }

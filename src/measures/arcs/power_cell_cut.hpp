@@ -1,4 +1,6 @@
 // PowerCellIn<Room>::cut(): removes a half-space from the cell. Included by power_cell.hpp alone.
+// The cell is the power cell of one ball, scaled to radius 1 at the origin. The half-space is given
+// by the cap that it cuts from this unit ball: x · axis > cosine.
 //
 // 1. measure_depths() finds how far every vertex lies beyond the plane, kStep vertices at a time.
 //    Most planes of a ball with many neighbours cut nothing off; then this is the only step.
@@ -21,8 +23,8 @@
 
 namespace vdwmesh::arcs {
 
-// The walls of the tetrahedron lie a little outside the unit ball. It is a regular tetrahedron
-// turned by arbitrary angles, so that the walls are parallel to no plane of a lattice.
+// The cell begins as a tetrahedron around the ball, whose faces are the walls: a regular
+// tetrahedron turned by arbitrary angles, so that the walls are parallel to no plane of a lattice.
 template <class Room>
 inline void PowerCellIn<Room>::reset() {
   constexpr double kDistance = 1.0625;
@@ -31,7 +33,9 @@ inline void PowerCellIn<Room>::reset() {
        {0.53844537614247978, -0.13669188708020807, 0.8314997924938019},
        {0.50709871624210445, -0.35135763095403183, -0.78701887344331234},
        {-0.86895088557273081, -0.4881297023103478, 0.081570535028149538}}};
-  // Vertex i is opposite to plane i, so an edge that leaves plane i runs to vertex i.
+  // Three planes meet at a vertex; each of its edges lies in two of them and leaves the third.
+  // Vertex i is opposite to plane i, so an edge that leaves plane i runs to vertex i. Entries 1, 2
+  // and 3 of a vertex are its edges counter-clockwise; entry 0 of kPlanes repeats entry 3.
   constexpr std::array<std::uint32_t, 4 * kWalls> kPlanes{3, 2, 1, 3, 3, 0, 2, 3,
                                                           3, 1, 0, 3, 2, 0, 1, 2};
   constexpr std::array<EdgeEnd, 4 * kWalls> kTwins{
@@ -41,7 +45,7 @@ inline void PowerCellIn<Room>::reset() {
   room_.reserve(kWalls, kWalls);
   static_assert(kWalls % kLanes == 0);
   for (std::size_t i = kWalls; i < slots_; i += kLanes)
-    store_lanes(&room_.x[i], all_lanes(kNowhere));
+    store_lanes(&room_.x[i], all_lanes(kNowhere));  // NaN marks a free slot
   slots_ = alive_ = kWalls;
   free_count_ = 0;
   for (std::uint32_t i = 0; i < kWalls; ++i) {
@@ -60,6 +64,7 @@ inline void PowerCellIn<Room>::reset() {
 }
 
 // Fills the depths, the signed distances of the vertices beyond the plane, and returns the largest.
+// Depths of free slots are NaN, which no comparison finds larger.
 template <class Room>
 VDWMESH_INLINE double PowerCellIn<Room>::measure_depths(const Cap& cap) {
   const Lanes ax = all_lanes(cap.axis.x), ay = all_lanes(cap.axis.y), az = all_lanes(cap.axis.z),
@@ -81,9 +86,9 @@ VDWMESH_INLINE double PowerCellIn<Room>::measure_depths(const Cap& cap) {
 }
 
 // Lists the vertices beyond the plane and the border, and raises doubts about vertices that nearly
-// lie on the plane. Returns whether there are vertices to remove; from now on their x is that of
-// free slots. Vertices are handled 64 at a time, with a bit for each that says whether it lies
-// beyond; lane k computes the bits of vertices k, k + 4, k + 8 and so on.
+// lie on the plane. Returns whether there are vertices to remove, and marks their slots free.
+// Vertices are handled 64 at a time, with a bit for each that says whether it lies beyond; lane k
+// computes the bits of vertices k, k + 4, k + 8 and so on.
 template <class Room>
 VDWMESH_INLINE bool PowerCellIn<Room>::find_removed(const Cap& cap) {
   constexpr std::uint32_t kBits = 64;
@@ -140,14 +145,15 @@ VDWMESH_INLINE bool PowerCellIn<Room>::find_removed(const Cap& cap) {
 }
 
 // Finds the doubts about vertices near the plane.
-// - Whether a vertex is cut off matters only if it is not outside the ball, whose measures do not
-//   depend on vertices outside (kThirdCircle).
+// - Whether a vertex is cut off matters only if it lies in the ball or on it: area and volume of
+// the
+//   ball do not depend on other vertices (kThirdCircle).
 // - If the plane is also nearly parallel to a plane of the vertex, rounding decides where the two
 //   planes cross, and that may be inside the ball wherever the vertex is (kParallelPlanes).
 // - If the plane nearly contains an edge, three circles may meet in a corner of the patch. That
 //   does not affect area and volume (kAlongEdge).
-// - If even the vertex of least depth nearly lies on the plane, the plane removes nearly all of the
-//   cell, or all of it by little (kVanishing).
+// - If even the vertex of least depth lies within kTouching of the plane, rounding decides whether
+//   anything of the cell is left (kVanishing).
 template <class Room>
 inline void PowerCellIn<Room>::doubt_near(const Cap& cap) {
   constexpr double kOutside = 1 + 1e-6;  // squared distance
@@ -189,9 +195,9 @@ VDWMESH_INLINE void PowerCellIn<Room>::list_slots() {
 // have at the removed end.
 //
 // Two further edges begin at the new vertex, both in the new plane: each lies in one of the old
-// planes and leaves the other. An old plane at the border has two new vertices; it follows the new
-// plane at one of them and precedes it at the other. The former stores its end of their common edge
-// in room_.open, and link_vertices() finds it there for the latter.
+// planes and leaves the other. An old plane at the border has two new vertices. Counter-clockwise
+// around one of them it comes after the new plane, around the other before it. The first vertex
+// stores its end of their common edge in room_.open, where link_vertices() finds it for the second.
 template <class Room>
 VDWMESH_INLINE void PowerCellIn<Room>::make_vertices(std::uint32_t plane) {
   double *const x = room_.x.data(), *const y = room_.y.data(), *const z = room_.z.data();
@@ -226,9 +232,9 @@ VDWMESH_INLINE void PowerCellIn<Room>::make_vertices(std::uint32_t plane) {
   }
 }
 
-// Links the edges of the new face, and returns whether each has found its other end. There are as
-// many ends in `links` as were stored in `open`, and each removes the end that it finds. So if none
-// is missing, no two ends were stored for one plane.
+// Links the edges of the new face, and returns whether each has found its other end. If two ends
+// were stored for one plane, the second has replaced the first, and one edge of `links` finds none.
+// A missing end is kNone, the unused side 0 of vertex 0, so it does no harm to write there.
 template <class Room>
 VDWMESH_INLINE bool PowerCellIn<Room>::link_vertices() {
   const HalfLink* const links = room_.links.data();
@@ -253,7 +259,8 @@ VDWMESH_INLINE void PowerCellIn<Room>::free_removed() {
   const std::uint32_t* const removed = room_.removed.data();
   std::uint32_t left = 0;
   for (std::uint32_t i = border_count_; i < free_count_; ++i) free[left++] = free[i];
-  slots_ += border_count_ - (free_count_ - left);
+  const std::uint32_t reused = free_count_ - left;
+  slots_ += border_count_ - reused;
   alive_ += border_count_ - removed_count_;
   free_count_ = left + removed_count_;
   for (std::uint32_t i = 0; i < removed_count_; i += 4) {  // four at a time, in most cuts all
@@ -304,6 +311,7 @@ template <class Room>
 inline bool PowerCellIn<Room>::cut(const Cap& cap) {
   // A NaN in the axis always comes with a NaN in the cosine.
   if (!(std::abs(cap.cosine) <= 1 - kTouching)) {
+    // Callers pass planes that meet the ball, so another cosine comes from an overflow.
     doubts_ |= std::abs(cap.cosine) < 1 ? kNearlyTangent : kNotFinite;
     if (!(std::abs(cap.cosine) < 1)) return false;
   }
@@ -332,7 +340,8 @@ inline bool PowerCellIn<Room>::cut(const Cap& cap) {
   return true;
 }
 
-// kSlack covers the rounding of the squares and of the root.
+// The largest distance of a vertex from the centre. kSlack covers the rounding of the squares and
+// of the root.
 template <class Room>
 inline double PowerCellIn<Room>::reach() {
   if (!reach_is_stale_) return reach_;
