@@ -1,11 +1,11 @@
 // Which processors a rank may use: those that it is bound to, or its share of the host's. Only the
 // first rank shows progress and prints.
-#include "ranks/rank_session.hpp"
-
 #include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
+
+#include "ranks/rank_verbs.hpp"
 
 namespace vdwmesh::apps {
 namespace {

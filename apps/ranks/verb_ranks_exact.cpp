@@ -1,7 +1,6 @@
 // The verb exact of vdwmesh-mpi: the exact measures of the union, of which every rank measures a
 // share. The report, its JSON and the table of atoms are those of the plain program.
 #include "distributed/together/union_together.hpp"
-#include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
 #include "ranks/shared_structure.hpp"
 #include "report/output.hpp"

@@ -12,7 +12,6 @@
 #include "distributed/together/refine_together.hpp"
 #include "interrupt.hpp"
 #include "named_files.hpp"
-#include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
 #include "ranks/shared_structure.hpp"
 #include "report/output.hpp"

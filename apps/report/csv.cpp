@@ -76,6 +76,30 @@ std::vector<std::string> CsvFile::column(std::string_view name) const {
   return fields;
 }
 
+std::string Cells::operator[](std::string_view name) const {
+  const auto cell = std::find_if(cells_.rbegin(), cells_.rend(),
+                                 [&](const auto& one) { return one.first == name; });
+  return cell == cells_.rend() ? "" : cell->second;
+}
+
+std::string Cells::names() const {
+  std::string line;
+  for (const auto& [name, text] : cells_) line += (line.empty() ? "" : ",") + name;
+  return line;
+}
+
+std::string Cells::values() const {
+  std::string line;
+  for (const auto& [name, text] : cells_) line += csv_field(text) + ',';
+  return line.substr(0, line.empty() ? 0 : line.size() - 1);
+}
+
+void Cells::add(const std::string& name, std::string text) {
+  const auto begins_name = [&](std::string_view left_out) { return name.starts_with(left_out); };
+  if (std::ranges::any_of(left_out_, begins_name)) return;
+  cells_.emplace_back(name, is_blank_ ? std::string() : std::move(text));
+}
+
 std::string csv_field(std::string_view text) {
   if (text.find_first_of(",\"\n\r") == text.npos) return std::string(text);
   std::string quoted = "\"";

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -16,43 +17,58 @@
 
 namespace vdwmesh::apps {
 
-// The figures of a table by name: a visitor of described types. Members of members are called
-// "outer_inner". Lists have no cell.
+// The figures of a table by name, in order: a visitor of described types. Members of members are
+// called "outer_inner", counts by name are their sum, and lists have no cell. The names do not
+// depend on the values: where there is no value, its cells, or those of its members, are empty.
 class Cells {
  public:
   // How numbers that are not whole are written.
   using Format = std::string (*)(double);
-  explicit Cells(Format format) : format_(format) {}
+  // Cells whose names begin with one of `left_out` are left out.
+  explicit Cells(Format format, std::vector<std::string_view> left_out = {})
+      : format_(format), left_out_(std::move(left_out)) {}
 
   template <class T>
   void operator()(const std::string& key, const T& value) {
     write(prefix_ + key, value);
   }
 
-  // Empty where there is no such cell, or it has no value.
-  std::string operator[](const std::string& name) const {
-    const auto cell = cells_.find(name);
-    return cell == cells_.end() ? "" : cell->second;
-  }
+  // The last cell of this name; empty where there is none, or it has no value.
+  std::string operator[](std::string_view name) const;
+  // All of them with commas between, without a line break.
+  std::string names() const;
+  std::string values() const;
 
  private:
-  void write(const std::string& name, bool value) { cells_[name] = value ? "true" : "false"; }
-  void write(const std::string& name, double value) { cells_[name] = format_(value); }
+  void add(const std::string& name, std::string text);
+  void write(const std::string& name, bool value) { add(name, value ? "true" : "false"); }
   template <Number T>
   void write(const std::string& name, T value) {
-    cells_[name] = std::to_string(value);
+    if constexpr (std::is_floating_point_v<T>) {
+      add(name, format_(double{value}));
+    } else {
+      add(name, std::to_string(value));
+    }
   }
   template <Textual T>
   void write(const std::string& name, const T& value) {
-    cells_[name] = value;
+    add(name, std::string(value));
   }
   template <Named T>
   void write(const std::string& name, T value) {
-    cells_[name] = name_of(value);
+    add(name, std::string(name_of(value)));
   }
   template <class T>
   void write(const std::string& name, const std::optional<T>& value) {
-    if (value) write(name, *value);
+    if (value) return write(name, *value);
+    const bool was_blank = std::exchange(is_blank_, true);
+    write(name, T{});
+    is_blank_ = was_blank;
+  }
+  void write(const std::string& name, const std::map<std::string, std::uint64_t>& counts) {
+    std::uint64_t sum = 0;
+    for (const auto& [key, count] : counts) sum += count;
+    write(name, sum);
   }
   template <class T>
   void write(const std::string&, const std::vector<T>&) {}
@@ -64,8 +80,10 @@ class Cells {
   }
 
   Format format_;
+  std::vector<std::string_view> left_out_;
   std::string prefix_;
-  std::map<std::string, std::string> cells_;
+  std::vector<std::pair<std::string, std::string>> cells_;
+  bool is_blank_ = false;  // within what has no value
 };
 
 // In tables for people, where a dash stands for what there is not.

@@ -10,7 +10,7 @@
 
 #include "build_id.hpp"
 #include "core/fnv.hpp"
-#include "report/csv_row.hpp"
+#include "report/csv.hpp"
 #include "report/describe_comparison.hpp"
 #include "report/json_text.hpp"
 
@@ -59,8 +59,8 @@ std::string json_row(const Row& row, const std::string& settings) {
 }
 
 template <class Row>
-CsvRow csv_row(const Row& row, const std::string& settings) {
-  CsvRow csv(kNeverKnown);
+Cells csv_row(const Row& row, const std::string& settings) {
+  Cells csv(csv_number, kNeverKnown);
   csv("name", without_breaks(row.name)), csv("settings", settings), csv("content", row.content);
   describe_figures(csv, row);
   csv("warnings", row.warnings.size()), csv("error", row.error);

@@ -137,12 +137,12 @@ class StandardBuffer : public std::streambuf {
 };
 
 // Blank lines are passed over.
-class ListSource : public StructureSource {
+class NameListSource : public StructureSource {
  public:
-  explicit ListSource(const fs::path& path) : name_(path.string()), file_(path), list_(&file_) {
+  explicit NameListSource(const fs::path& path) : name_(path.string()), file_(path), list_(&file_) {
     if (!file_) throw FileFormatError(name_ + ": cannot be opened");
   }
-  explicit ListSource(StandardInput& input)
+  explicit NameListSource(StandardInput& input)
       : name_("standard input"),
         buffer_(std::make_unique<StandardBuffer>(input)),
         stream_(std::make_unique<std::istream>(buffer_.get())),
@@ -291,7 +291,7 @@ class StandardSource : public StructureSource {
     if (begins_archive(input_.first())) {
       source_ = std::make_unique<ArchiveSource>(input_, options);
     } else {
-      source_ = std::make_unique<ListSource>(input_);
+      source_ = std::make_unique<NameListSource>(input_);
     }
   }
   std::optional<NamedStructure> next(Content content) override { return source_->next(content); }
@@ -307,7 +307,7 @@ std::unique_ptr<StructureSource> open(const fs::path& input, const SourceOptions
   if (fs::is_directory(input)) return std::make_unique<FolderSource>(input, options);
   if (is_archive_name(input)) return std::make_unique<ArchiveSource>(input, options);
   if (has_structure_extension(input)) return std::make_unique<FileSource>(input);
-  return std::make_unique<ListSource>(input);
+  return std::make_unique<NameListSource>(input);
 }
 
 class SourceOfAll : public StructureSource {

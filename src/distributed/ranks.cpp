@@ -54,12 +54,12 @@ void share_bytes_among(MPI_Comm ranks, std::span<std::byte> bytes) {
 
 }  // namespace
 
-struct Ranks::Host {
+struct HostCommunicators {
   MPI_Comm ranks = MPI_COMM_NULL;
   MPI_Comm leaders = MPI_COMM_NULL;  // of all hosts; null on other ranks
 };
 
-Ranks::Ranks(int& argc, char**& argv) : host_(new Host) {
+Ranks::Ranks(int& argc, char**& argv) : host_(new HostCommunicators) {
   int granted = MPI_THREAD_SINGLE;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &granted);
   allows_threads_ = granted >= MPI_THREAD_FUNNELED;

@@ -17,6 +17,8 @@
 
 namespace vdwmesh {
 
+struct HostCommunicators;
+
 class Ranks {
  public:
   // Starts MPI, which may take options of its own off the command line, and ends it. A process has
@@ -141,8 +143,7 @@ class Ranks {
 
   bool allows_threads_ = false;
   int number_ = 0, count_ = 1, number_on_host_ = 0, count_on_host_ = 1;
-  struct Host;
-  Host* host_ = nullptr;  // communicators of the ranks on this host, and of leaders
+  HostCommunicators* host_ = nullptr;  // communicators of the ranks on this host, and of leaders
   mutable bool all_failed_ = false;
   mutable double seconds_of_work_ = 0;
 };

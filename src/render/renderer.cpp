@@ -94,19 +94,19 @@ class Canvas {
   }
 
  private:
-  void attach(const GlRenderbuffer& buffer, GLenum format, GLenum place, const Size& size) const {
+  void attach(const GlObject& buffer, GLenum format, GLenum place, const Size& size) const {
     glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
     glBindRenderbuffer(GL_RENDERBUFFER, buffer.name());
     glRenderbufferStorage(GL_RENDERBUFFER, format, size.width, size.height);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, place, GL_RENDERBUFFER, buffer.name());
     check_gl("the picture");
   }
-  GlFramebuffer frame_;
-  GlRenderbuffer color_, depth_;
+  GlObject frame_{GlKind::framebuffer};
+  GlObject color_{GlKind::renderbuffer}, depth_{GlKind::renderbuffer};
 };
 
 // Uploads a colour map as a texture of one row and binds it to texture unit 0.
-void bind_palette(const GlTexture& texture, ColorMap map) {
+void bind_palette(const GlObject& texture, ColorMap map) {
   std::array<std::array<std::uint8_t, 3>, kPaletteSize> colors{};
   for (int i = 0; i < kPaletteSize; ++i) {
     colors[static_cast<std::size_t>(i)] = to_bytes(color_at(map, i / double(kPaletteSize - 1)));
@@ -143,7 +143,7 @@ void draw_surface(const SurfaceSource& source, const RenderOptions& options, con
                   const Size& size) {
   const SurfaceBuffers buffers(source, camera.origin);
   const SurfaceProgram program(options.shading);
-  const GlTexture palette;
+  const GlObject palette(GlKind::texture);
   if (source.scale()) bind_palette(palette, source.scale()->map);
   glViewport(0, 0, size.width, size.height);
   glEnable(GL_DEPTH_TEST);
@@ -157,8 +157,8 @@ void draw_surface(const SurfaceSource& source, const RenderOptions& options, con
 }
 
 // Reads the samples from the bound framebuffer.
-Samples read_back(const Size& size, int per_axis) {
-  Samples samples{size.width, size.height, per_axis, {}};
+PixelSamples read_back(const Size& size, int per_axis) {
+  PixelSamples samples{size.width, size.height, per_axis, {}};
   samples.values.resize(static_cast<std::size_t>(size.width) *
                         static_cast<std::size_t>(size.height));
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -168,7 +168,7 @@ Samples read_back(const Size& size, int per_axis) {
 }
 
 // Throws InvalidInput if no sample is covered: an empty picture would be mistaken for a result.
-void require_something(const Samples& samples) {
+void require_something(const PixelSamples& samples) {
   const auto covered = [](const Rgba8& v) { return v[3] != 0; };
   if (std::ranges::any_of(samples.values, covered)) return;
   throw InvalidInput(
@@ -184,16 +184,12 @@ int surface_height(const SurfaceSource& source, const RenderOptions& options) {
 
 }  // namespace
 
-struct Renderer::State {
-  EglContext context;
-};
-
-Renderer::Renderer() : state_(std::make_unique<State>()) {}
+Renderer::Renderer() : context_(std::make_shared<EglContext>()) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
-const std::string& Renderer::device() const { return state_->context.device(); }
-std::optional<int> Renderer::cuda_device() const { return state_->context.cuda_device(); }
+const std::string& Renderer::device() const { return context_->device(); }
+std::optional<int> Renderer::cuda_device() const { return context_->cuda_device(); }
 
 Picture Renderer::draw(const SurfaceSource& source, const RenderOptions& options) const {
   check_options(options);
@@ -202,11 +198,11 @@ Picture Renderer::draw(const SurfaceSource& source, const RenderOptions& options
   check_memory(source, size, options.memory_limit);
   const Camera camera = frame_surface(source, options.view, options.projection,
                                       static_cast<double>(options.width) / height, options.margin);
-  const EglContext::Use use(state_->context);
+  const EglContext::Use use(*context_);
   check_device(size);
   const Canvas canvas(size);
   draw_surface(source, options, camera, size);
-  const Samples samples = read_back(size, options.samples_per_axis);
+  const PixelSamples samples = read_back(size, options.samples_per_axis);
   require_something(samples);
   Picture picture{options.width, options.height, {}};
   picture.pixels.resize(static_cast<std::size_t>(options.width) *

@@ -44,6 +44,8 @@ struct RenderOptions {
 // The largest width or height of a picture. A device may have a lower limit.
 inline constexpr int kMaxPictureSide = 16384;
 
+class EglContext;
+
 // Draws surfaces with one OpenGL context. Calls of draw() on one Renderer must not overlap in time.
 class Renderer {
  public:
@@ -71,8 +73,7 @@ class Renderer {
   Picture draw(const SurfaceSource& surface, const RenderOptions& options) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<EglContext> context_;  // owned alone; a build without OpenGL lacks the type
 };
 
 }  // namespace vdwmesh

@@ -13,8 +13,6 @@ constexpr const char* kReason =
 
 }  // namespace
 
-struct Renderer::State {};
-
 Renderer::Renderer() { throw BackendUnavailable(kReason); }
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;

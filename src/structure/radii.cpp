@@ -11,6 +11,7 @@
 #include <cmath>
 #include <span>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -29,63 +30,60 @@ constexpr double kLargestRadius = 1000;
 
 constexpr const char *kBondiName = "bondi", *kAlvarezName = "alvarez";
 
-struct ListedRadius {
-  const char* element;
-  double radius;  // Å
-};
+using ElementRadius = std::pair<const char*, double>;  // symbol, Å
 
 // Tables I and XIV of Bondi's paper of 1964. His paper of 1966 revises Cd, Hg and Zn; these
 // revisions are not adopted.
 constexpr std::array kBondi{
-    ListedRadius{"H", 1.20},  ListedRadius{"He", 1.40}, ListedRadius{"Li", 1.82},
-    ListedRadius{"C", 1.70},  ListedRadius{"N", 1.55},  ListedRadius{"O", 1.52},
-    ListedRadius{"F", 1.47},  ListedRadius{"Ne", 1.54}, ListedRadius{"Na", 2.27},
-    ListedRadius{"Mg", 1.73}, ListedRadius{"Si", 2.10}, ListedRadius{"P", 1.80},
-    ListedRadius{"S", 1.80},  ListedRadius{"Cl", 1.75}, ListedRadius{"Ar", 1.88},
-    ListedRadius{"K", 2.75},  ListedRadius{"Ni", 1.63}, ListedRadius{"Cu", 1.40},
-    ListedRadius{"Zn", 1.39}, ListedRadius{"Ga", 1.87}, ListedRadius{"As", 1.85},
-    ListedRadius{"Se", 1.90}, ListedRadius{"Br", 1.85}, ListedRadius{"Kr", 2.02},
-    ListedRadius{"Pd", 1.63}, ListedRadius{"Ag", 1.72}, ListedRadius{"Cd", 1.58},
-    ListedRadius{"In", 1.93}, ListedRadius{"Sn", 2.17}, ListedRadius{"Te", 2.06},
-    ListedRadius{"I", 1.98},  ListedRadius{"Xe", 2.16}, ListedRadius{"Pt", 1.72},
-    ListedRadius{"Au", 1.66}, ListedRadius{"Hg", 1.55}, ListedRadius{"Tl", 1.96},
-    ListedRadius{"Pb", 2.02}, ListedRadius{"U", 1.86},
+    ElementRadius{"H", 1.20},  ElementRadius{"He", 1.40}, ElementRadius{"Li", 1.82},
+    ElementRadius{"C", 1.70},  ElementRadius{"N", 1.55},  ElementRadius{"O", 1.52},
+    ElementRadius{"F", 1.47},  ElementRadius{"Ne", 1.54}, ElementRadius{"Na", 2.27},
+    ElementRadius{"Mg", 1.73}, ElementRadius{"Si", 2.10}, ElementRadius{"P", 1.80},
+    ElementRadius{"S", 1.80},  ElementRadius{"Cl", 1.75}, ElementRadius{"Ar", 1.88},
+    ElementRadius{"K", 2.75},  ElementRadius{"Ni", 1.63}, ElementRadius{"Cu", 1.40},
+    ElementRadius{"Zn", 1.39}, ElementRadius{"Ga", 1.87}, ElementRadius{"As", 1.85},
+    ElementRadius{"Se", 1.90}, ElementRadius{"Br", 1.85}, ElementRadius{"Kr", 2.02},
+    ElementRadius{"Pd", 1.63}, ElementRadius{"Ag", 1.72}, ElementRadius{"Cd", 1.58},
+    ElementRadius{"In", 1.93}, ElementRadius{"Sn", 2.17}, ElementRadius{"Te", 2.06},
+    ElementRadius{"I", 1.98},  ElementRadius{"Xe", 2.16}, ElementRadius{"Pt", 1.72},
+    ElementRadius{"Au", 1.66}, ElementRadius{"Hg", 1.55}, ElementRadius{"Tl", 1.96},
+    ElementRadius{"Pb", 2.02}, ElementRadius{"U", 1.86},
 };
 
 // Table 1 of Alvarez's paper, 93 elements. It lacks Pm, Po, At, Rn, Fr, Ra and all elements after
 // Es.
 constexpr std::array kAlvarez{
-    ListedRadius{"H", 1.20},  ListedRadius{"He", 1.43}, ListedRadius{"Li", 2.12},
-    ListedRadius{"Be", 1.98}, ListedRadius{"B", 1.91},  ListedRadius{"C", 1.77},
-    ListedRadius{"N", 1.66},  ListedRadius{"O", 1.50},  ListedRadius{"F", 1.46},
-    ListedRadius{"Ne", 1.58}, ListedRadius{"Na", 2.50}, ListedRadius{"Mg", 2.51},
-    ListedRadius{"Al", 2.25}, ListedRadius{"Si", 2.19}, ListedRadius{"P", 1.90},
-    ListedRadius{"S", 1.89},  ListedRadius{"Cl", 1.82}, ListedRadius{"Ar", 1.83},
-    ListedRadius{"K", 2.73},  ListedRadius{"Ca", 2.62}, ListedRadius{"Sc", 2.58},
-    ListedRadius{"Ti", 2.46}, ListedRadius{"V", 2.42},  ListedRadius{"Cr", 2.45},
-    ListedRadius{"Mn", 2.45}, ListedRadius{"Fe", 2.44}, ListedRadius{"Co", 2.40},
-    ListedRadius{"Ni", 2.40}, ListedRadius{"Cu", 2.38}, ListedRadius{"Zn", 2.39},
-    ListedRadius{"Ga", 2.32}, ListedRadius{"Ge", 2.29}, ListedRadius{"As", 1.88},
-    ListedRadius{"Se", 1.82}, ListedRadius{"Br", 1.86}, ListedRadius{"Kr", 2.25},
-    ListedRadius{"Rb", 3.21}, ListedRadius{"Sr", 2.84}, ListedRadius{"Y", 2.75},
-    ListedRadius{"Zr", 2.52}, ListedRadius{"Nb", 2.56}, ListedRadius{"Mo", 2.45},
-    ListedRadius{"Tc", 2.44}, ListedRadius{"Ru", 2.46}, ListedRadius{"Rh", 2.44},
-    ListedRadius{"Pd", 2.15}, ListedRadius{"Ag", 2.53}, ListedRadius{"Cd", 2.49},
-    ListedRadius{"In", 2.43}, ListedRadius{"Sn", 2.42}, ListedRadius{"Sb", 2.47},
-    ListedRadius{"Te", 1.99}, ListedRadius{"I", 2.04},  ListedRadius{"Xe", 2.06},
-    ListedRadius{"Cs", 3.48}, ListedRadius{"Ba", 3.03}, ListedRadius{"La", 2.98},
-    ListedRadius{"Ce", 2.88}, ListedRadius{"Pr", 2.92}, ListedRadius{"Nd", 2.95},
-    ListedRadius{"Sm", 2.90}, ListedRadius{"Eu", 2.87}, ListedRadius{"Gd", 2.83},
-    ListedRadius{"Tb", 2.79}, ListedRadius{"Dy", 2.87}, ListedRadius{"Ho", 2.81},
-    ListedRadius{"Er", 2.83}, ListedRadius{"Tm", 2.79}, ListedRadius{"Yb", 2.80},
-    ListedRadius{"Lu", 2.74}, ListedRadius{"Hf", 2.63}, ListedRadius{"Ta", 2.53},
-    ListedRadius{"W", 2.57},  ListedRadius{"Re", 2.49}, ListedRadius{"Os", 2.48},
-    ListedRadius{"Ir", 2.41}, ListedRadius{"Pt", 2.29}, ListedRadius{"Au", 2.32},
-    ListedRadius{"Hg", 2.45}, ListedRadius{"Tl", 2.47}, ListedRadius{"Pb", 2.60},
-    ListedRadius{"Bi", 2.54}, ListedRadius{"Ac", 2.80}, ListedRadius{"Th", 2.93},
-    ListedRadius{"Pa", 2.88}, ListedRadius{"U", 2.71},  ListedRadius{"Np", 2.82},
-    ListedRadius{"Pu", 2.81}, ListedRadius{"Am", 2.83}, ListedRadius{"Cm", 3.05},
-    ListedRadius{"Bk", 3.40}, ListedRadius{"Cf", 3.05}, ListedRadius{"Es", 2.70},
+    ElementRadius{"H", 1.20},  ElementRadius{"He", 1.43}, ElementRadius{"Li", 2.12},
+    ElementRadius{"Be", 1.98}, ElementRadius{"B", 1.91},  ElementRadius{"C", 1.77},
+    ElementRadius{"N", 1.66},  ElementRadius{"O", 1.50},  ElementRadius{"F", 1.46},
+    ElementRadius{"Ne", 1.58}, ElementRadius{"Na", 2.50}, ElementRadius{"Mg", 2.51},
+    ElementRadius{"Al", 2.25}, ElementRadius{"Si", 2.19}, ElementRadius{"P", 1.90},
+    ElementRadius{"S", 1.89},  ElementRadius{"Cl", 1.82}, ElementRadius{"Ar", 1.83},
+    ElementRadius{"K", 2.73},  ElementRadius{"Ca", 2.62}, ElementRadius{"Sc", 2.58},
+    ElementRadius{"Ti", 2.46}, ElementRadius{"V", 2.42},  ElementRadius{"Cr", 2.45},
+    ElementRadius{"Mn", 2.45}, ElementRadius{"Fe", 2.44}, ElementRadius{"Co", 2.40},
+    ElementRadius{"Ni", 2.40}, ElementRadius{"Cu", 2.38}, ElementRadius{"Zn", 2.39},
+    ElementRadius{"Ga", 2.32}, ElementRadius{"Ge", 2.29}, ElementRadius{"As", 1.88},
+    ElementRadius{"Se", 1.82}, ElementRadius{"Br", 1.86}, ElementRadius{"Kr", 2.25},
+    ElementRadius{"Rb", 3.21}, ElementRadius{"Sr", 2.84}, ElementRadius{"Y", 2.75},
+    ElementRadius{"Zr", 2.52}, ElementRadius{"Nb", 2.56}, ElementRadius{"Mo", 2.45},
+    ElementRadius{"Tc", 2.44}, ElementRadius{"Ru", 2.46}, ElementRadius{"Rh", 2.44},
+    ElementRadius{"Pd", 2.15}, ElementRadius{"Ag", 2.53}, ElementRadius{"Cd", 2.49},
+    ElementRadius{"In", 2.43}, ElementRadius{"Sn", 2.42}, ElementRadius{"Sb", 2.47},
+    ElementRadius{"Te", 1.99}, ElementRadius{"I", 2.04},  ElementRadius{"Xe", 2.06},
+    ElementRadius{"Cs", 3.48}, ElementRadius{"Ba", 3.03}, ElementRadius{"La", 2.98},
+    ElementRadius{"Ce", 2.88}, ElementRadius{"Pr", 2.92}, ElementRadius{"Nd", 2.95},
+    ElementRadius{"Sm", 2.90}, ElementRadius{"Eu", 2.87}, ElementRadius{"Gd", 2.83},
+    ElementRadius{"Tb", 2.79}, ElementRadius{"Dy", 2.87}, ElementRadius{"Ho", 2.81},
+    ElementRadius{"Er", 2.83}, ElementRadius{"Tm", 2.79}, ElementRadius{"Yb", 2.80},
+    ElementRadius{"Lu", 2.74}, ElementRadius{"Hf", 2.63}, ElementRadius{"Ta", 2.53},
+    ElementRadius{"W", 2.57},  ElementRadius{"Re", 2.49}, ElementRadius{"Os", 2.48},
+    ElementRadius{"Ir", 2.41}, ElementRadius{"Pt", 2.29}, ElementRadius{"Au", 2.32},
+    ElementRadius{"Hg", 2.45}, ElementRadius{"Tl", 2.47}, ElementRadius{"Pb", 2.60},
+    ElementRadius{"Bi", 2.54}, ElementRadius{"Ac", 2.80}, ElementRadius{"Th", 2.93},
+    ElementRadius{"Pa", 2.88}, ElementRadius{"U", 2.71},  ElementRadius{"Np", 2.82},
+    ElementRadius{"Pu", 2.81}, ElementRadius{"Am", 2.83}, ElementRadius{"Cm", 3.05},
+    ElementRadius{"Bk", 3.40}, ElementRadius{"Cf", 3.05}, ElementRadius{"Es", 2.70},
 };
 
 [[noreturn]] void refuse(const std::filesystem::path& path, int line, const std::string& what) {
@@ -102,27 +100,6 @@ double radius_or_refuse(std::string_view field, const std::filesystem::path& pat
   return *radius;
 }
 
-// Remembers which line of the file gave which radius, in order to find contradictions.
-class GivenRadii {
- public:
-  explicit GivenRadii(const std::filesystem::path& path) : path_(path) {}
-
-  // `name` is an element, or residue and atom. Throws if an earlier line gave it a different
-  // radius. The same radius twice does no harm. `first`: no earlier line gave the name a radius.
-  void add(const std::string& name, double radius, int line) {
-    const auto [entry, first] = given_.try_emplace(name, radius, line);
-    const auto [earlier, earlier_line] = entry->second;
-    if (first || earlier == radius) return;
-    refuse(path_, line,
-           fmt::format("{} has radius {} here and {} in line {}; keep one of them", name, radius,
-                       earlier, earlier_line));
-  }
-
- private:
-  const std::filesystem::path& path_;
-  std::map<std::string, std::pair<double, int>> given_;  // name -> (radius in Å, line)
-};
-
 }  // namespace
 
 const std::vector<std::string>& RadiusTable::names() {
@@ -137,9 +114,9 @@ const std::vector<std::string>& RadiusTable::names() {
 RadiusTable RadiusTable::named(std::string_view name) {
   RadiusTable table;
   // Elements that the table has already keep their radii.
-  const auto add = [&table](std::span<const ListedRadius> elements, bool assumed) {
-    for (const ListedRadius& entry : elements)
-      table.by_element_.try_emplace(entry.element, Entry{entry.radius, assumed});
+  const auto add = [&table](std::span<const ElementRadius> elements, bool assumed) {
+    for (const auto& [element, radius] : elements)
+      table.by_element_.try_emplace(element, AtomRadius{radius, assumed});
   };
   if (name != kAlvarezName) add(kBondi, name != kBondiName);
   add(kAlvarez, name != kAlvarezName);
@@ -200,7 +177,7 @@ void RadiusTable::add_file(const std::filesystem::path& path) {
   std::string_view rest(text.data(), text.size()), line;
   if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
   Entries& entries = files_.emplace_back();
-  GivenRadii given(path);
+  std::map<std::string, std::pair<double, int>> given;  // name -> its first radius, and the line
   for (int number = 1; next_line(rest, line); ++number) {
     const std::vector<std::string_view> fields = split_at_blanks(line.substr(0, line.find('#')));
     if (fields.empty()) continue;
@@ -218,9 +195,15 @@ void RadiusTable::add_file(const std::filesystem::path& path) {
       refuse(path, number, fmt::format("{} is not an element", in_quotes(fields[0])));
     const std::string name =
         is_atom ? fmt::format("{} {}", fields[0], fields[1]) : std::string(element);
-    given.add(name, radius, number);
-    const Entry entry{radius, false, Polarity::unknown, false, static_cast<int>(lines_.size())};
-    if (!entries.try_emplace(name, entry).second) continue;
+    // The same radius twice does no harm.
+    const auto [first, is_new] = given.try_emplace(name, radius, number);
+    if (first->second.first != radius)
+      refuse(path, number,
+             fmt::format("{} has radius {} here and {} in line {}; keep one of them", name, radius,
+                         first->second.first, first->second.second));
+    if (!is_new) continue;
+    entries.try_emplace(
+        name, AtomRadius{radius, false, Polarity::unknown, false, static_cast<int>(lines_.size())});
     lines_.push_back(fmt::format("{}:{} ({})", path.string(), number, name));
     has_atoms_ = has_atoms_ || is_atom;
   }
@@ -231,9 +214,9 @@ void RadiusTable::add_file(const std::filesystem::path& path) {
                     path.string()));
 }
 
-std::optional<RadiusTable::Entry> RadiusTable::find(std::string_view residue, std::string_view atom,
-                                                    std::string_view element) const {
-  const auto find_element = [element](const Entries& entries) -> std::optional<Entry> {
+std::optional<AtomRadius> RadiusTable::find(std::string_view residue, std::string_view atom,
+                                            std::string_view element) const {
+  const auto find_element = [element](const Entries& entries) -> std::optional<AtomRadius> {
     auto found = entries.find(element);
     if (found == entries.end() && element == "D") found = entries.find(std::string_view("H"));
     return found == entries.end() ? std::nullopt : std::optional(found->second);
@@ -247,8 +230,10 @@ std::optional<RadiusTable::Entry> RadiusTable::find(std::string_view residue, st
   if (united_) {
     // Hydrogens are part of the united atoms, and have no radius.
     if (element == "H" || element == "D") return std::nullopt;
-    if (const auto match = united_->find(residue, atom, element))
-      return Entry{match->type->radius, false, match->type->polarity, match->renamed};
+    if (const auto match = united_->find(residue, atom, element)) {
+      const auto& [type, is_renamed] = *match;
+      return AtomRadius{type->radius, false, type->polarity, is_renamed};
+    }
   }
   return find_element(by_element_);
 }

@@ -24,6 +24,18 @@ namespace vdwmesh {
 
 class UnitedAtoms;
 
+// What a table says of an atom.
+struct AtomRadius {
+  static constexpr int kNoLine = -1;
+  double radius;  // Å
+  bool assumed;   // the set lacks the element or atom; the radius comes from another set
+  Polarity polarity = Polarity::unknown;  // united atoms have one
+  // The set has the atom by another name: that of the PDB for a protonation state ("HID"), an end
+  // of a chain ("NALA") or an old spelling ("O1P").
+  bool renamed = false;
+  int line = kNoLine;  // index in RadiusTable::lines(), of a radius from a file
+};
+
 class RadiusTable {
  public:
   // The names of the built-in sets.
@@ -46,22 +58,11 @@ class RadiusTable {
   // The parts of such a list. The name of a file that is there is one part even with commas in it.
   static std::vector<std::string> parts_of(const std::string& list);
 
-  struct Entry {
-    double radius;  // Å
-    bool assumed;   // the set lacks the element or atom; the radius comes from another set
-    Polarity polarity = Polarity::unknown;  // united atoms have one
-    // The set has the atom by another name: that of the PDB for a protonation state ("HID"), an end
-    // of a chain ("NALA") or an old spelling ("O1P").
-    bool renamed = false;
-    int line = kNoLine;  // index in lines(), of a radius from a file
-  };
-  static constexpr int kNoLine = -1;
-
   // The radius of an atom; nothing if it is unknown. Names and element must be spelled as in the
   // table ("Zn", not "ZN"). Deuterium (D) gets the radius of hydrogen if the table has none for it.
   // Sets of united atoms have none for hydrogen and deuterium.
-  std::optional<Entry> find(std::string_view residue, std::string_view atom,
-                            std::string_view element) const;
+  std::optional<AtomRadius> find(std::string_view residue, std::string_view atom,
+                                 std::string_view element) const;
 
   // Whether find() looks at nothing but the element.
   bool is_by_element() const { return !has_atoms_ && united_ == nullptr; }
@@ -73,7 +74,7 @@ class RadiusTable {
 
  private:
   // The radii of one file, or of a set by element. Those of atoms have the key "RESIDUE ATOM".
-  using Entries = std::map<std::string, Entry, std::less<>>;
+  using Entries = std::map<std::string, AtomRadius, std::less<>>;
   void add_file(const std::filesystem::path& path);
 
   std::vector<Entries> files_;  // the later ones precede

@@ -25,7 +25,7 @@ std::string reason_of(int error) {
 
 }  // namespace
 
-struct SharedFile::Handle {
+struct OpenMpiFile {
   MPI_File file = MPI_FILE_NULL;
 };
 
@@ -46,7 +46,7 @@ std::filesystem::path choose_hidden_name(const Ranks& ranks, const std::filesyst
 
 SharedFile::SharedFile(const Ranks& ranks, const std::filesystem::path& path,
                        const std::filesystem::path& hidden_name)
-    : ranks_(ranks), path_(path), handle_(std::make_unique<Handle>()) {
+    : ranks_(ranks), path_(path), handle_(std::make_unique<OpenMpiFile>()) {
   ranks.together([&] {
     if (ranks.is_first()) own_.emplace(path, hidden_name);
   });

@@ -12,6 +12,8 @@
 
 namespace vdwmesh {
 
+struct OpenMpiFile;
+
 // A hidden name for a SharedFile to `path`, in the same folder. All ranks know it before there is a
 // file, so that each of them can remove it if the run is ended. Throws InvalidInput for a pipe or a
 // device, which cannot be written from many places. Collective.
@@ -39,13 +41,12 @@ class SharedFile {
   void commit();
 
  private:
-  struct Handle;
   void close();
 
   const Ranks& ranks_;
   std::filesystem::path path_;
   std::optional<OutputFile> own_;  // of the first rank: makes the hidden file and renames it
-  std::unique_ptr<Handle> handle_;
+  std::unique_ptr<OpenMpiFile> handle_;
 };
 
 // A section of the file as a sink: the first write() goes to `offset`, each further one behind the

@@ -9,7 +9,6 @@
 
 #include "distributed/ranks.hpp"
 #include "distributed/together/border_mesh.hpp"
-#include "distributed/together/children_together.hpp"
 #include "distributed/together/edges_together.hpp"
 #include "refine/crossings/tally.hpp"
 #include "refine/crossings/vertex_moves.hpp"
@@ -94,5 +93,11 @@ class PieceRefinement {
   SurfacePiece& piece_;
   BorderMesh part_;  // of the piece
 };
+
+// Refines a surface whose triangles say on which spheres they lie.
+// What refine_together() does with such a surface: the piece becomes that of the mesh that
+// Refiner::refine() makes, bit for bit. Collective.
+std::vector<ProjectionStats> constrain_together(const Ranks& ranks, const SphereSet& spheres,
+                                                const RefineOptions& options, SurfacePiece& piece);
 
 }  // namespace vdwmesh

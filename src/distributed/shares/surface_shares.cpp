@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t kGroups = 512;
 
 // An interval of z, Å.
-struct Slab {
+struct LayerSlab {
   double lower, upper;
 };
 
@@ -47,7 +47,7 @@ std::uint64_t key_at(const GridSpec& grid, const Vec3d& p) {
 
 // The interval along an axis that holds the nodes of bricks first to last, with a spacing on either
 // side, which is more than coordinates are rounded by.
-Slab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int64_t last) {
+LayerSlab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int64_t last) {
   const auto side = static_cast<double>(kBrickSide);
   return {origin + spacing * (side * static_cast<double>(first) - 2),
           origin + spacing * (side * static_cast<double>(last + 1) + 1)};
@@ -98,10 +98,10 @@ std::vector<Found> found_for_own(const Ranks& ranks,
 
 // The spheres that have an effect on a run of bricks are within a slab. Both ends of the slabs rise
 // from run to run.
-std::vector<Slab> slabs_of_runs(const GridSpec& grid, std::span<const std::uint64_t> begins,
-                                HaloCounts halo) {
+std::vector<LayerSlab> slabs_of_runs(const GridSpec& grid, std::span<const std::uint64_t> begins,
+                                     HaloCounts halo) {
   const std::int64_t top = brick_count(grid.cells.z) - 1;
-  std::vector<Slab> slabs;
+  std::vector<LayerSlab> slabs;
   for (std::size_t run = 0; run < begins.size(); ++run) {
     const KeyRange own = run_at(begins, run);
     const KeyRange counted =
@@ -222,7 +222,7 @@ std::vector<std::vector<SphereRun>> spheres_near_runs(const SphereSet& spheres,
                                                       std::span<const std::uint64_t> begins,
                                                       HaloCounts halo) {
   using Near = std::vector<std::vector<SphereRun>>;  // by run of bricks
-  const std::vector<Slab> slabs = slabs_of_runs(model.grid, begins, halo);
+  const std::vector<LayerSlab> slabs = slabs_of_runs(model.grid, begins, halo);
   const std::span<const Sphere> looked_at = block_of(spheres, block, begins.size());
   if (looked_at.empty()) return Near(begins.size());
   const auto first_id = static_cast<SphereId>(looked_at.data() - spheres.spheres().data());
@@ -234,7 +234,7 @@ std::vector<std::vector<SphereRun>> spheres_near_runs(const SphereSet& spheres,
           const double reach = field_reach(model, looked_at[i].radius) + model.grid.spacing;
           const double z = looked_at[i].center.z;
           auto run = static_cast<std::size_t>(
-              std::ranges::lower_bound(slabs, z - reach, {}, &Slab::upper) - slabs.begin());
+              std::ranges::lower_bound(slabs, z - reach, {}, &LayerSlab::upper) - slabs.begin());
           for (; run < slabs.size() && slabs[run].lower <= z + reach; ++run) {
             add_id(first_id + static_cast<SphereId>(i), near[run]);
           }

@@ -2,8 +2,6 @@
 // edge lies on the spheres of the two triangles beside it. If one of the triangles is of another
 // rank, edges_together.hpp has its sphere. The positions of vertices of other ranks come from
 // border_mesh.hpp. Vertices do not move once they are made, so nothing has to be taken back.
-#include "distributed/together/constrain_together.hpp"
-
 #include "core/blocks.hpp"
 #include "distributed/shares/piece_refinement.hpp"
 #include "refine/crossings/constraint_formulas.hpp"

@@ -1,7 +1,9 @@
-// The edges of a mesh of all ranks, numbered as one process numbers them.
+// The edges of a mesh of all ranks, numbered as one process numbers them, and the triangles of the
+// next level of a refinement.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -27,5 +29,11 @@ struct NumberedEdges {
 
 // Throws InternalError, on all ranks, if the mesh is not closed and oriented. Collective.
 NumberedEdges number_edges_together(const Ranks& ranks, const SurfacePiece& piece);
+
+// Replaces each triangle of the piece by its four children, and makes the midpoints of its own
+// edges a generation of vertices: rank r owns counts[r] of them. Their positions and labels are
+// still to be made. Throws LimitExceeded past 2^32 vertices of a rank.
+void make_children(const NumberedEdges& edges, std::span<const std::uint64_t> counts,
+                   SurfacePiece& piece);
 
 }  // namespace vdwmesh

@@ -22,15 +22,84 @@
 #include "analysis/survey/stage_bytes.hpp"
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
-#include "distributed/shares/near_surface.hpp"
+#include "core/workspace.hpp"
+#include "distributed/shares/chosen_spheres.hpp"
 #include "distributed/shares/piece_refinement.hpp"
 #include "distributed/shares/surface_shares.hpp"
-#include "distributed/together/constrain_together.hpp"
+#include "extract/blended/field_formulas.hpp"
 #include "extract/field.hpp"
 #include "refine/crossings/preparation.hpp"
+#include "refine/refiner.hpp"
+#include "refine/surface_view.hpp"
+#include "spheres/list_ids.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 namespace {
+
+// The surface that a rank projects to, made from the spheres near its part alone. Spheres are
+// chosen by z, as the shares of a surface are. A projection tries points that are no farther from
+// its start than its reach. At a point it asks for balls that are no farther than the reach, or for
+// atoms whose field reaches the point. So the spheres whose interval of z comes within twice the
+// reach of a start are enough. Their cell list has the frame of the list of all spheres, so it
+// visits them in the same order, and they keep their canonical order. So sums and ties have the
+// same outcome.
+class NearSurface {
+ public:
+  // All spheres, and the options of the refinement, whose frame is that of the whole set. Both must
+  // outlive the object.
+  NearSurface(const SphereSet& spheres, const RefineOptions& options);
+
+  // Chooses enough spheres for projections that start at points with z in this interval (Å) and try
+  // points within `reach` of them: for all these points surface() gives the results that it has
+  // with all spheres.
+  void cover(double lower, double upper, double reach);
+
+  // Labels that it makes or takes name spheres of the whole set. Precondition: cover().
+  const SurfaceView& surface() const { return *surface_; }
+
+ private:
+  void choose_spheres(double lower, double upper);
+
+  const SphereSet& spheres_;
+  const RefineOptions& options_;
+  FieldModel model_;
+  double lower_ = 0, upper_ = -1;  // covered; at first nothing
+  ChosenSpheres near_;
+  SphereSet near_set_;  // a view of near_
+  Workspace workspace_;
+  Buffer<SphereId> ids_;  // by list place: id in the whole set
+  std::optional<SurfaceView> surface_;
+};
+
+constexpr double kBoxSlack = 1e-6;  // Å: more than kProjectionTolerance and rounding
+
+NearSurface::NearSurface(const SphereSet& spheres, const RefineOptions& options)
+    : spheres_(spheres), options_(options), model_(projection_model(options)) {}
+
+// Later levels move vertices by less, so the spheres chosen before are mostly enough.
+void NearSurface::cover(double lower, double upper, double reach) {
+  lower -= 2 * reach + kBoxSlack;
+  upper += 2 * reach + kBoxSlack;
+  if (surface_ && lower >= lower_ && upper <= upper_) return;
+  choose_spheres(lower, upper);
+}
+
+void NearSurface::choose_spheres(double lower, double upper) {
+  lower_ = lower;
+  upper_ = upper;
+  near_ = choose(spheres_, [&](SphereId, const Sphere& s) {
+    const double reach = field_reach(model_, s.radius);
+    return s.center.z + reach >= lower && s.center.z - reach <= upper;
+  });
+  if (near_.spheres.empty()) near_ = {{spheres_[0]}, {0}};
+  near_set_ = SphereSet::view(near_.spheres);
+  SurfaceView view{options_.projection,
+                   projection_list(near_set_, options_, TriangleLabels::none, workspace_), model_,
+                   spheres_.spheres().data()};
+  use_ids(near_.ids, view.list, ids_);
+  surface_.emplace(view);
+}
 
 // The interval of z in which the projections of a level start, and the largest distance by which
 // one may move its vertex.

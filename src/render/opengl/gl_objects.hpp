@@ -33,45 +33,32 @@ inline void check_gl(std::string_view what) {
 // bits, which is never dereferenced.
 inline const void* buffer_offset(std::size_t bytes) { return std::bit_cast<const void*>(bytes); }
 
-// Owns one OpenGL name. Traits::generate() makes it and Traits::release() deletes it.
-template <class Traits>
+enum class GlKind { buffer, texture, vertex_array, renderbuffer, framebuffer };
+
+// Owns one OpenGL name.
 class GlObject {
  public:
-  GlObject() { Traits::generate(&name_); }
-  ~GlObject() { Traits::release(&name_); }
+  explicit GlObject(GlKind kind) : kind_(kind) {
+    if (kind == GlKind::buffer) glGenBuffers(1, &name_);
+    if (kind == GlKind::texture) glGenTextures(1, &name_);
+    if (kind == GlKind::vertex_array) glGenVertexArrays(1, &name_);
+    if (kind == GlKind::renderbuffer) glGenRenderbuffers(1, &name_);
+    if (kind == GlKind::framebuffer) glGenFramebuffers(1, &name_);
+  }
+  ~GlObject() {
+    if (kind_ == GlKind::buffer) glDeleteBuffers(1, &name_);
+    if (kind_ == GlKind::texture) glDeleteTextures(1, &name_);
+    if (kind_ == GlKind::vertex_array) glDeleteVertexArrays(1, &name_);
+    if (kind_ == GlKind::renderbuffer) glDeleteRenderbuffers(1, &name_);
+    if (kind_ == GlKind::framebuffer) glDeleteFramebuffers(1, &name_);
+  }
   GlObject(const GlObject&) = delete;
   GlObject& operator=(const GlObject&) = delete;
   GLuint name() const { return name_; }
 
  private:
+  GlKind kind_;
   GLuint name_ = 0;
 };
-
-struct BufferTraits {
-  static void generate(GLuint* name) { glGenBuffers(1, name); }
-  static void release(const GLuint* name) { glDeleteBuffers(1, name); }
-};
-struct TextureTraits {
-  static void generate(GLuint* name) { glGenTextures(1, name); }
-  static void release(const GLuint* name) { glDeleteTextures(1, name); }
-};
-struct VertexArrayTraits {
-  static void generate(GLuint* name) { glGenVertexArrays(1, name); }
-  static void release(const GLuint* name) { glDeleteVertexArrays(1, name); }
-};
-struct RenderbufferTraits {
-  static void generate(GLuint* name) { glGenRenderbuffers(1, name); }
-  static void release(const GLuint* name) { glDeleteRenderbuffers(1, name); }
-};
-struct FramebufferTraits {
-  static void generate(GLuint* name) { glGenFramebuffers(1, name); }
-  static void release(const GLuint* name) { glDeleteFramebuffers(1, name); }
-};
-
-using GlBuffer = GlObject<BufferTraits>;
-using GlTexture = GlObject<TextureTraits>;
-using GlVertexArray = GlObject<VertexArrayTraits>;
-using GlRenderbuffer = GlObject<RenderbufferTraits>;
-using GlFramebuffer = GlObject<FramebufferTraits>;
 
 }  // namespace vdwmesh

@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/vec3.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -21,19 +23,15 @@ const std::array<double, 256>& linear_of_byte() {
   return kTable;
 }
 
-struct Light {
-  double r = 0, g = 0, b = 0;
-};
-
 // The sum of light over the covered samples of one pixel, and the number of these samples.
 struct CoveredPixels {
-  Light light;
+  Vec3d light{};  // red, green, blue
   int count = 0;
 };
 
 // Adds up the covered samples of one pixel, in column x and in the given row. Rows count from the
-// bottom, as in Samples.
-CoveredPixels gather(const Samples& s, int x, int y_from_bottom) {
+// bottom, as in PixelSamples.
+CoveredPixels gather(const PixelSamples& s, int x, int y_from_bottom) {
   const std::array<double, 256>& linear = linear_of_byte();
   CoveredPixels covered;
   for (int j = 0; j < s.per_axis; ++j) {
@@ -43,9 +41,9 @@ CoveredPixels gather(const Samples& s, int x, int y_from_bottom) {
       const Rgba8& v = s.values[row + static_cast<std::size_t>(x * s.per_axis + i)];
       // Alpha 0: the sample shows no surface.
       if (v[3] == 0) continue;
-      covered.light.r += linear[v[0]];
-      covered.light.g += linear[v[1]];
-      covered.light.b += linear[v[2]];
+      covered.light.x += linear[v[0]];
+      covered.light.y += linear[v[1]];
+      covered.light.z += linear[v[2]];
       ++covered.count;
     }
   }
@@ -57,18 +55,18 @@ CoveredPixels gather(const Samples& s, int x, int y_from_bottom) {
 Rgba8 over_nothing(const CoveredPixels& c, int samples) {
   if (c.count == 0) return {0, 0, 0, 0};
   const double n = c.count;
-  return {to_srgb_byte(c.light.r / n), to_srgb_byte(c.light.g / n), to_srgb_byte(c.light.b / n),
+  return {to_srgb_byte(c.light.x / n), to_srgb_byte(c.light.y / n), to_srgb_byte(c.light.z / n),
           static_cast<std::uint8_t>(std::lround(255.0 * n / samples))};
 }
 
 // Returns a pixel over a background. Samples that are not covered show the background.
-Rgba8 over(const Light& background, const CoveredPixels& c, int samples) {
+Rgba8 over(const Vec3d& background, const CoveredPixels& c, int samples) {
   const double free = samples - c.count;
   const auto channel = [&](double light, double behind) {
     return to_srgb_byte((light + free * behind) / samples);
   };
-  return {channel(c.light.r, background.r), channel(c.light.g, background.g),
-          channel(c.light.b, background.b), 255};
+  return {channel(c.light.x, background.x), channel(c.light.y, background.y),
+          channel(c.light.z, background.z), 255};
 }
 
 }  // namespace
@@ -82,13 +80,13 @@ std::uint8_t to_srgb_byte(double light) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
 }
 
-void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture) {
+void resolve(const PixelSamples& samples, const std::optional<Rgb>& background, Picture& picture) {
   const int rows = samples.height / samples.per_axis, of = samples.per_axis * samples.per_axis;
   // The samples are bytes, so the background is rounded to bytes too: a pixel without covered
   // samples then has exactly the bytes of the background.
   const auto bytes = to_bytes(background.value_or(Rgb{0, 0, 0}));
   const std::array<double, 256>& linear = linear_of_byte();
-  const Light behind{linear[bytes[0]], linear[bytes[1]], linear[bytes[2]]};
+  const Vec3d behind{linear[bytes[0]], linear[bytes[1]], linear[bytes[2]]};
   tbb::parallel_for(0, rows, [&](int y) {
     for (int x = 0; x < picture.width; ++x) {
       const CoveredPixels covered = gather(samples, x, rows - 1 - y);

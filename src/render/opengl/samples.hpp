@@ -10,20 +10,20 @@
 
 namespace vdwmesh {
 
-// The samples of a picture, in rows from the bottom as OpenGL reads them. Samples that show the
-// surface have alpha 255, all others 0.
-struct Samples {
+// The samples of a picture, in rows from the bottom as OpenGL reads them. Samples that show
+// the surface have alpha 255, all others 0.
+struct PixelSamples {
   // In samples: the picture's size in pixels times per_axis.
   int width = 0, height = 0;
   int per_axis = 1;
   std::vector<Rgba8> values;
 };
 
-// Computes each pixel as the mean of its per_axis × per_axis samples, in linear light. Samples that
-// are not covered count as background. Without a background, a pixel has the mean colour of its
-// covered samples, and their share as alpha. The pixels go to the top rows of `picture`, which must
-// be samples.width / per_axis pixels wide.
-void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture);
+// Computes each pixel as the mean of its per_axis × per_axis samples, in linear light. Samples
+// that are not covered count as background. Without a background, a pixel has the mean colour of
+// its covered samples, and their share as alpha. The pixels go to the top rows of `picture`, which
+// must be samples.width / per_axis pixels wide.
+void resolve(const PixelSamples& samples, const std::optional<Rgb>& background, Picture& picture);
 
 // Converts an sRGB channel to linear light, both from 0 to 1.
 double to_linear(double channel);

@@ -39,9 +39,10 @@ class SurfaceBuffers : public SurfaceTarget {
 
   std::uint64_t vertex_count_, triangle_count_;
   PaintKind paint_;
-  GlVertexArray array_;
-  GlBuffer vertex_buffer_, index_buffer_, value_buffer_;
-  GlTexture value_texture_;
+  GlObject array_{GlKind::vertex_array};
+  GlObject vertex_buffer_{GlKind::buffer}, index_buffer_{GlKind::buffer},
+      value_buffer_{GlKind::buffer};
+  GlObject value_texture_{GlKind::texture};
   // Host memory of the buffers while they are mapped, else null.
   SurfaceVertex* mapped_vertices_ = nullptr;
   Triangle* mapped_triangles_ = nullptr;

@@ -10,10 +10,13 @@
 #include <vector>
 
 #include "core/errors.hpp"
-#include "render/opengl/font_data.hpp"
 #include "render/opengl/samples.hpp"
 
 namespace vdwmesh {
+
+// The bytes of DejaVuSans.ttf. EmbedFont.cmake writes the source file that defines this function.
+std::string_view font_data();
+
 namespace {
 
 // The code point U+FFFD, which stands for bytes that are not valid UTF-8.
@@ -50,11 +53,12 @@ void require(FT_Error error, const char* what) {
 
 }  // namespace
 
-struct Font::State {
+// A font that FreeType has opened.
+struct FontFace {
   FT_Library library = nullptr;
   FT_Face face = nullptr;
 
-  ~State() {
+  ~FontFace() {
     if (face) FT_Done_Face(face);
     if (library) FT_Done_FreeType(library);
   }
@@ -65,20 +69,20 @@ struct Font::State {
   }
 };
 
-Font::Font(int size) : state_(std::make_unique<State>()) {
-  require(FT_Init_FreeType(&state_->library), "its start");
+Font::Font(int size) : face_(std::make_unique<FontFace>()) {
+  require(FT_Init_FreeType(&face_->library), "its start");
   const std::string_view data = font_data();
-  require(FT_New_Memory_Face(state_->library, reinterpret_cast<const FT_Byte*>(data.data()),
-                             static_cast<FT_Long>(data.size()), 0, &state_->face),
+  require(FT_New_Memory_Face(face_->library, reinterpret_cast<const FT_Byte*>(data.data()),
+                             static_cast<FT_Long>(data.size()), 0, &face_->face),
           "the font");
-  require(FT_Set_Pixel_Sizes(state_->face, 0, static_cast<FT_UInt>(size)), "the size");
+  require(FT_Set_Pixel_Sizes(face_->face, 0, static_cast<FT_UInt>(size)), "the size");
 }
 
 Font::~Font() = default;
 
 int Font::width(std::string_view text) const {
   FT_Pos advance = 0;  // 1/64 pixel
-  for (const char32_t point : decode(text)) advance += state_->glyph(point).advance.x;
+  for (const char32_t point : decode(text)) advance += face_->glyph(point).advance.x;
   return static_cast<int>((advance + 63) / 64);
 }
 
@@ -86,7 +90,7 @@ void Font::draw(std::string_view text, int x, int y, const Rgb& ink, Picture& pi
   // FreeType counts advances in units of 1/64 pixel.
   FT_Pos pen = FT_Pos{x} * 64;
   for (const char32_t point : decode(text)) {
-    const FT_GlyphSlotRec& glyph = state_->glyph(point);
+    const FT_GlyphSlotRec& glyph = face_->glyph(point);
     const int left = static_cast<int>(pen / 64) + glyph.bitmap_left;
     const int top = y - glyph.bitmap_top;
     for (int j = 0; j < static_cast<int>(glyph.bitmap.rows); ++j) {

@@ -9,6 +9,8 @@
 
 namespace vdwmesh {
 
+struct FontFace;  // FreeType's, in text.cpp
+
 // The font in one size, as FreeType renders it.
 class Font {
  public:
@@ -25,8 +27,7 @@ class Font {
   void draw(std::string_view text, int x, int y, const Rgb& ink, Picture& picture) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<FontFace> face_;
 };
 
 // Blends `ink` over a pixel in linear light; `coverage`, from 0 to 1, is the covered share of the

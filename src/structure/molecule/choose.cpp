@@ -23,6 +23,7 @@
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
+#include "structure/molecule/residue_elements.hpp"
 #include "structure/molecule/site.hpp"
 #include "structure/molecule/site_selection.hpp"
 #include "structure/radii/assign_radii.hpp"
@@ -33,14 +34,6 @@
 namespace vdwmesh {
 namespace {
 
-// Residue names of water. In the PDB these names mean nothing else.
-constexpr std::array<std::string_view, 4> kAlwaysWater{"HOH", "DOD", "WAT", "H2O"};
-// Names of water models in simulation programs. Other molecules have some of these names too, so
-// is_water() also looks at the atoms.
-constexpr std::array<std::string_view, 18> kSolvent{"W",    "WF",   "PW",   "SOL",  "TIP",  "TIP2",
-                                                    "TIP3", "TIP4", "TIP5", "TP3",  "TP4",  "TP5",
-                                                    "T3P",  "T4P",  "SPC",  "SPCE", "TP3M", "OH2"};
-
 // Elements that are too common to be listed in a note when they were derived from names.
 constexpr std::array<std::string_view, 7> kOrganicElements{"H", "D", "C", "N", "O", "P", "S"};
 
@@ -49,13 +42,13 @@ bool listed(const Names& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// A residue is a water by a name in kAlwaysWater alone. With a name in kSolvent it is a water if it
-// has at most one oxygen, and beside that only hydrogens and atoms without an element (virtual
-// sites, beads). `sites` are all of its atoms.
+// A residue is a water by a name of the PDB alone. With a name that programs or beads have it is a
+// water if it has at most one oxygen, and beside that only hydrogens and atoms without an element
+// (virtual sites, beads). `sites` are all of its atoms.
 bool is_water(const gemmi::Residue& residue, std::span<const Site> sites) {
-  const std::string name = upper_case(residue.name);
-  if (listed(kAlwaysWater, name)) return true;
-  if (!listed(kSolvent, name)) return false;
+  const WaterName name = water_name(upper_case(residue.name));
+  if (name == WaterName::of_the_pdb) return true;
+  if (name != WaterName::of_a_program && name != WaterName::of_a_bead) return false;
   std::set<std::string_view> oxygens;  // names, because alternate locations repeat an atom
   for (const Site& site : sites) {
     const gemmi::El element = site.atom->element;

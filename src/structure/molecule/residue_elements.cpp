@@ -11,6 +11,7 @@
 #include <cctype>
 #include <gemmi/resinfo.hpp>
 #include <string>
+#include <utility>
 
 #include "core/letters.hpp"
 
@@ -20,42 +21,41 @@ namespace {
 using gemmi::El;
 using namespace std::string_view_literals;
 
-// An ion: its name and its element.
-struct NamedElement {
-  std::string_view name;
-  El element;
-};
+using NamedIon = std::pair<std::string_view, El>;
 
 // The ions of CHARMM. Residue and atom have the same name, which is not the symbol.
 constexpr std::array kCharmmIons{
-    NamedElement{"SOD", El::Na}, NamedElement{"POT", El::K},  NamedElement{"CAL", El::Ca},
-    NamedElement{"CES", El::Cs}, NamedElement{"LIT", El::Li}, NamedElement{"RUB", El::Rb},
-    NamedElement{"BAR", El::Ba}, NamedElement{"CLA", El::Cl}, NamedElement{"IOD", El::I},
-    NamedElement{"CAD", El::Cd},
+    NamedIon{"SOD", El::Na}, NamedIon{"POT", El::K},  NamedIon{"CAL", El::Ca},
+    NamedIon{"CES", El::Cs}, NamedIon{"LIT", El::Li}, NamedIon{"RUB", El::Rb},
+    NamedIon{"BAR", El::Ba}, NamedIon{"CLA", El::Cl}, NamedIon{"IOD", El::I},
+    NamedIon{"CAD", El::Cd},
 };
 // Ions of AMBER whose name is not the symbol, with digits and charge: sodium, sodium with its water
 // as one particle, calcium, and protons.
 constexpr std::array kAmberIons{
-    NamedElement{"CIO", El::Na}, NamedElement{"IB", El::Na}, NamedElement{"C0", El::Ca},
-    NamedElement{"HE+", El::H},  NamedElement{"HZ+", El::H},
+    NamedIon{"CIO", El::Na}, NamedIon{"IB", El::Na}, NamedIon{"C0", El::Ca},
+    NamedIon{"HE+", El::H},  NamedIon{"HZ+", El::H},
 };
-// Names of water in the PDB and in simulation programs, but for beads (W).
-constexpr std::array kWaters{
-    "HOH"sv,  "DOD"sv,  "WAT"sv, "H2O"sv, "TIP"sv,  "TIP2"sv, "TIP3"sv, "TIP4"sv,
-    "TIP5"sv, "TP3"sv,  "TP4"sv, "TP5"sv, "T3P"sv,  "T4P"sv,  "SOL"sv,  "SPC"sv,
-    "SPCE"sv, "TP3M"sv, "OH2"sv, "SWM"sv, "SWM4"sv, "OPC"sv,
+// Names of water. In the PDB they mean nothing else; programs and force fields have the others,
+// which other molecules have too. W is a bead of some waters.
+constexpr std::array kWatersOfThePdb{"HOH"sv, "DOD"sv, "WAT"sv, "H2O"sv};
+constexpr std::array kWatersOfPrograms{
+    "TIP"sv, "TIP2"sv, "TIP3"sv, "TIP4"sv, "TIP5"sv, "TP3"sv, "TP4"sv,  "TP5"sv,
+    "T3P"sv, "T4P"sv,  "SOL"sv,  "SPC"sv,  "SPCE"sv, "OH2"sv, "TP3M"sv,
 };
+constexpr std::array kWaterBeads{"W"sv, "WF"sv, "PW"sv};
+constexpr std::array kWatersWithCharges{"SWM"sv, "SWM4"sv, "OPC"sv};
 // Ions in the PDB whose residue name is not the symbol. The atom name is the symbol ("I" in "IOD").
 constexpr std::array kOddlyNamedIons{
-    NamedElement{"IOD", El::I},  NamedElement{"YT", El::Y},   NamedElement{"BS", El::Bi},
-    NamedElement{"RHD", El::Rh}, NamedElement{"ARS", El::As},
+    NamedIon{"IOD", El::I},  NamedIon{"YT", El::Y},   NamedIon{"BS", El::Bi},
+    NamedIon{"RHD", El::Rh}, NamedIon{"ARS", El::As},
 };
 
 template <class List>
 El find_named(const List& list, std::string_view name) {
   const auto found = std::find_if(list.begin(), list.end(),
-                                  [name](const NamedElement& n) { return n.name == name; });
-  return found == list.end() ? El::X : found->element;
+                                  [name](const NamedIon& ion) { return ion.first == name; });
+  return found == list.end() ? El::X : found->second;
 }
 
 // The name without leading digits ("3CO") and without a charge at the end ("ZN2", "NA+", and
@@ -174,7 +174,12 @@ bool is_standard_residue(std::string_view residue) {
   return is_amino_acid(residue) || is_nucleotide(residue) || holds(kEndGroups, residue);
 }
 
-bool is_named_as_water(std::string_view residue) { return holds(kWaters, residue); }
+WaterName water_name(std::string_view residue) {
+  if (holds(kWatersOfThePdb, residue)) return WaterName::of_the_pdb;
+  if (holds(kWatersOfPrograms, residue)) return WaterName::of_a_program;
+  if (holds(kWaterBeads, residue)) return WaterName::of_a_bead;
+  return holds(kWatersWithCharges, residue) ? WaterName::of_charged_sites : WaterName::none;
+}
 
 El metal_of_ligand(std::string_view name, std::string_view residue) {
   const Ligands* ligand = find_ligand(residue);

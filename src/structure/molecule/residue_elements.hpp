@@ -2,6 +2,7 @@
 // and without blanks. elements.cpp calls these functions. Internal header of this folder.
 #pragma once
 
+#include <cstdint>
 #include <gemmi/elem.hpp>
 #include <string_view>
 
@@ -20,9 +21,14 @@ gemmi::El element_of_ion(std::string_view name, std::string_view residue);
 bool is_standard_residue(std::string_view residue);
 bool is_amino_acid(std::string_view residue);
 
-// Whether the residue has a name of water, in the PDB or in a simulation program. Other molecules
-// have some of the latter names too.
-bool is_named_as_water(std::string_view residue);
+// Whose name of water the residue has. Other molecules have some of the names that are not of the
+// PDB.
+enum class WaterName : std::uint8_t { none, of_the_pdb, of_a_program, of_a_bead, of_charged_sites };
+WaterName water_name(std::string_view residue);
+inline bool is_named_as_water(std::string_view residue) {  // and is no bead
+  const WaterName name = water_name(residue);
+  return name != WaterName::none && name != WaterName::of_a_bead;
+}
 
 // The element of a metal atom in a known ligand: "FE" in "HEM" is iron, "CA1" in "OEX" is calcium.
 // X if the atom is not a metal of the ligand, or if the ligand is not known.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/letters.hpp"
 #include "structure/molecule/residue_elements.hpp"
@@ -15,9 +16,7 @@
 namespace vdwmesh {
 namespace {
 
-struct OtherName {
-  std::string_view other, standard;
-};
+using OtherName = std::pair<std::string_view, std::string_view>;  // other, standard
 
 constexpr std::array kResidues{
     OtherName{"HID", "HIS"},  OtherName{"HIE", "HIS"},  OtherName{"HIP", "HIS"},
@@ -44,8 +43,8 @@ bool holds(const Names& names, std::string_view name) {
 template <class Names>
 std::string_view standard(const Names& names, std::string_view name) {
   const auto found = std::find_if(names.begin(), names.end(),
-                                  [name](const OtherName& entry) { return entry.other == name; });
-  return found == names.end() ? name : found->standard;
+                                  [name](const OtherName& entry) { return entry.first == name; });
+  return found == names.end() ? name : found->second;
 }
 
 // AMBER puts N or C before the name of an amino acid at the end of a chain.

@@ -66,13 +66,13 @@ std::string completed(const std::string& radii) {
 }
 
 // What was assumed, by element; of united atoms also by residue and atom.
-class Account {
+class RadiusAccount {
  public:
-  explicit Account(bool by_atom) : by_atom_(by_atom) {}
+  explicit RadiusAccount(bool by_atom) : by_atom_(by_atom) {}
 
-  void add(const Site& site, const RadiusTable::Entry& entry) {
+  void add(const Site& site, const AtomRadius& entry) {
     if (entry.renamed) ++renamed_[site.place->residue->name];
-    if (entry.line != RadiusTable::kNoLine) lines_.insert(entry.line);
+    if (entry.line != AtomRadius::kNoLine) lines_.insert(entry.line);
     if (!entry.assumed) return;
     const std::string residue = by_atom_ ? site.place->residue->name : "",
                       atom(by_atom_ ? site.atom->name.view() : std::string_view()),
@@ -117,34 +117,18 @@ class Account {
   std::map<std::string, std::uint64_t> renamed_;  // residue name -> atoms
 };
 
-// Looks atoms up in a table. What a table knows by the element alone is looked up once for each
-// element.
-class LookUp {
- public:
-  explicit LookUp(const RadiusTable& table) : table_(table), by_element_(table.is_by_element()) {}
-
-  const std::optional<RadiusTable::Entry>& find(const Site& site) {
-    const gemmi::El element = site.atom->element;
-    std::optional<RadiusTable::Entry>& entry = found_[static_cast<std::size_t>(element)];
-    if (!by_element_ || !entry)
-      entry = table_.find(site.place->residue->name, site.atom->name, gemmi::element_name(element));
-    return entry;
-  }
-
- private:
-  const RadiusTable& table_;
-  bool by_element_;
-  std::array<std::optional<RadiusTable::Entry>, static_cast<std::size_t>(gemmi::El::END)> found_;
-};
-
 }  // namespace
 
 void assign_radii(Sites& sites, const ParsedFile& file, const RadiusTable& table,
                   Molecule& molecule) {
-  Account account(table.has_united_atoms());
-  LookUp look_up(table);
+  RadiusAccount account(table.has_united_atoms());
+  // What a table knows by the element alone is looked up once for each element.
+  std::array<std::optional<AtomRadius>, static_cast<std::size_t>(gemmi::El::END)> found;
   for (const Site& site : sites) {
-    const auto& entry = look_up.find(site);
+    const gemmi::El element = site.atom->element;
+    std::optional<AtomRadius>& entry = found[static_cast<std::size_t>(element)];
+    if (!table.is_by_element() || !entry)
+      entry = table.find(site.place->residue->name, site.atom->name, gemmi::element_name(element));
     if (!entry) refuse_radius(site, file, molecule.radius_set);
     site.atom->radius = entry->radius;
     site.atom->polarity = entry->polarity;

@@ -58,16 +58,17 @@ const AtomType* UnitedAtoms::exact(std::string_view residue, std::string_view at
   return nullptr;
 }
 
-std::optional<UnitedAtoms::Match> UnitedAtoms::find(std::string_view residue, std::string_view atom,
-                                                    std::string_view element) const {
+std::optional<std::pair<const AtomType*, bool>> UnitedAtoms::find(std::string_view residue,
+                                                                  std::string_view atom,
+                                                                  std::string_view element) const {
   const bool known = residues_.count(residue) != 0;
   if (known) {
-    if (const AtomType* type = exact(residue, atom, element)) return Match{type, false};
+    if (const AtomType* type = exact(residue, atom, element)) return std::pair(type, false);
   }
   const std::string residue_name = standard_residue_name(residue);
   for (const std::string& atom_name : {std::string(atom), standard_atom_name(residue_name, atom)}) {
     if (const AtomType* type = exact(residue_name, atom_name, element))
-      return Match{type, residue_name != residue || atom_name != atom};
+      return std::pair(type, residue_name != residue || atom_name != atom);
   }
   return std::nullopt;
 }

@@ -17,14 +17,12 @@ class UnitedAtoms {
   // `set` must outlive the object.
   explicit UnitedAtoms(const UnitedSet& set);
 
-  struct Match {
-    const AtomType* type;
-    bool renamed;  // found by the standard name of residue or atom, not by the name given
-  };
-  // Nothing if the set does not have the atom. Where the set does not know a name, the standard
-  // name takes its place (standard_names.hpp).
-  std::optional<Match> find(std::string_view residue, std::string_view atom,
-                            std::string_view element) const;
+  // The type, and whether it was found by the standard name of residue or atom instead of the name
+  // given. Nothing if the set does not have the atom. Where the set does not know a name, the
+  // standard name takes its place (standard_names.hpp).
+  std::optional<std::pair<const AtomType*, bool>> find(std::string_view residue,
+                                                       std::string_view atom,
+                                                       std::string_view element) const;
 
  private:
   const AtomType* exact(std::string_view residue, std::string_view atom,
