@@ -193,7 +193,7 @@ void name_subchains(gemmi::Chain& chain) {
       residue.subchain += "poly";
     else if (residue.entity_type == gemmi::EntityType::Water)
       residue.subchain += "wat";
-    else
+    else if (residue.entity_type == gemmi::EntityType::NonPolymer)
       residue.subchain += residue.seqid.str();
   }
 }
