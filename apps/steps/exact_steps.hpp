@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "analysis/distance_measurer.hpp"
 #include "steps/steps.hpp"
 
 namespace vdwmesh::apps {
