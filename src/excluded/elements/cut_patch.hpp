@@ -61,7 +61,7 @@ class CutPatch {
   }
 
  private:
-  struct Cap {
+  struct CapAtCorner {
     CapCircle<double> circle;
     std::uint32_t corner;
   };
@@ -432,7 +432,7 @@ class CutPatch {
   std::uint32_t self_;
   const Corner& corner_;
   Polygon polygon_;
-  Cap cap_[kMostCaps];
+  CapAtCorner cap_[kMostCaps];
   Segment segment_[kMostSegments];
   Covered<double> covered_[kMostCaps + 3];
   double turn_[2 * kMostCaps + 6], slide_[2 * kMostCaps + 6];  // of places, by turn
