@@ -13,7 +13,7 @@ struct FlatPatches {
   Buffer<Sphere> balls;
   Buffer<std::uint32_t> ranks;
   Buffer<Cover> covers;
-  Buffer<Corner> corners;
+  Buffer<SphereCorner> corners;
 };
 
 struct ListSizes {
@@ -32,7 +32,7 @@ std::vector<ListSizes> prefix_sums(std::span<const Patch> patches) {
 
 // The patches point into device arrays that begin at `covers` and `corners`.
 FlatPatches flatten(const ExposedSurface& surface, const std::vector<ListSizes>& first,
-                    const Cover* covers, const Corner* corners) {
+                    const Cover* covers, const SphereCorner* corners) {
   const std::span<const Patch> patches = surface.searched();
   FlatPatches flat;
   flat.patches.resize(patches.size());
@@ -61,7 +61,7 @@ DeviceExposedPatches::DeviceExposedPatches(const ExposedSurface& surface, const 
       ranks_(surface.searched().size(), stream) {
   const std::vector<ListSizes> first = prefix_sums(surface.searched());
   covers_ = DeviceArray<Cover>(first.back().covers, stream);
-  corners_ = DeviceArray<Corner>(first.back().corners, stream);
+  corners_ = DeviceArray<SphereCorner>(first.back().corners, stream);
   const FlatPatches flat = flatten(surface, first, covers_.data(), corners_.data());
   upload_parts({{patches_.data(), flat.patches.data(), patches_.bytes()},
                 {balls_.data(), flat.balls.data(), balls_.bytes()},

@@ -31,7 +31,7 @@ class DeviceExposedPatches {
   DeviceArray<Sphere> balls_;
   DeviceArray<std::uint32_t> ranks_;
   DeviceArray<Cover> covers_;
-  DeviceArray<Corner> corners_;
+  DeviceArray<SphereCorner> corners_;
 };
 
 // A mesh and the search tree over its triangles.

@@ -84,7 +84,7 @@ __device__ void append_border(const Patch& patch, double density, Random& random
   }
   for (std::uint32_t first = 0; first < patch.corner_count; first += kWarp) {
     const bool here = first + lane < patch.corner_count;
-    const Corner corner = here ? patch.corners[first + lane] : Corner{};
+    const SphereCorner corner = here ? patch.corners[first + lane] : SphereCorner{};
     samples.append(here && corner.first, patch.ball.center + r * corner.position);
   }
 }

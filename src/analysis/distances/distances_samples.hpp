@@ -116,7 +116,7 @@ VDWMESH_HD inline void sample_border(const Patch& patch, double density, Random&
     }
   }
   for (std::uint32_t i = 0; i < patch.corner_count; ++i) {
-    const Corner& corner = patch.corners[i];
+    const SphereCorner& corner = patch.corners[i];
     if (corner.first) visit(patch.ball.center + r * corner.position);
   }
 }

@@ -52,13 +52,13 @@ constexpr Cover kCoversAll{{{0, 0, 1}, -2}, kNoPlace};
 struct BlockPatches {
   std::vector<Patch> patches, buried;
   std::vector<Cover> covers;
-  std::vector<Corner> corners;
+  std::vector<SphereCorner> corners;
 
   void set_pointers() {
     covers.shrink_to_fit();
     corners.shrink_to_fit();
     const Cover* cover = covers.data();
-    const Corner* corner = corners.data();
+    const SphereCorner* corner = corners.data();
     for (Patch& patch : patches) {
       patch.covers = cover;
       patch.corners = corner;
@@ -214,7 +214,7 @@ class PatchBuilder {
   arcs::BallCaps caps_;
   arcs::PowerCell cell_;
   std::vector<Cover> covers_;
-  std::vector<Corner> corners_;
+  std::vector<SphereCorner> corners_;
   // For each element of covers_: 1 if its circle has exposed arcs. Complete after
   // find_whole_circles().
   std::vector<std::uint8_t> exposed_;

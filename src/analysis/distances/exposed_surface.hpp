@@ -41,7 +41,7 @@ class ExposedSurface {
   std::size_t exposed_ = 0;  // of the patches: those with exposed points, which come first
   // The patches point into these arrays: one inner vector for each block of spheres.
   std::vector<std::vector<Cover>> covers_;
-  std::vector<std::vector<Corner>> corners_;
+  std::vector<std::vector<SphereCorner>> corners_;
 };
 
 // Finds signed distances from points to the exposed surface.

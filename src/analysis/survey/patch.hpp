@@ -31,7 +31,7 @@ struct Cover {
 };
 
 // A corner: an exposed point where the sphere meets two others. All three patches list it.
-struct Corner {
+struct SphereCorner {
   Vec3d position;  // relative to the centre of the sphere, in units of its radius
   bool first;      // whether the sphere of this patch has the smallest list place of the three
 };
@@ -45,7 +45,7 @@ struct Patch {
   std::uint32_t circles;
   std::uint32_t cover_count, corner_count;
   const Cover* covers;  // all caps on the sphere, without caps within others
-  const Corner* corners;
+  const SphereCorner* corners;
 };
 
 inline constexpr std::uint32_t kNoCover = 0xffffffffu;

@@ -37,7 +37,8 @@ SphereSet cluster(std::size_t count, std::uint64_t seed) {
 std::size_t corners_of(const ExposedSurface& surface) {
   std::size_t count = 0;
   for (const Patch& patch : surface.patches())
-    for (const Corner& corner : std::span(patch.corners, patch.corner_count)) count += corner.first;
+    for (const SphereCorner& corner : std::span(patch.corners, patch.corner_count))
+      count += corner.first;
   return count;
 }
 
