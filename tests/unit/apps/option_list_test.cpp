@@ -25,7 +25,7 @@ TEST(OptionList, AVerbHasEachOptionOnce) {
   for (const Verb& verb : plain_program().verbs) {
     Draft draft;
     std::set<std::string> names;
-    for (const Option& option : options_in(options_of(verb.bit, draft))) {
+    for (const Option& option : options_in(options_of(verb.bit, draft, Extent::read))) {
       EXPECT_TRUE(names.insert(option.short_name()).second) << verb.name << ' ' << option.name;
     }
     const bool has_report = verb.name != "render" && verb.name != "study" && verb.name != "batch";
@@ -36,7 +36,7 @@ TEST(OptionList, AVerbHasEachOptionOnce) {
 TEST(OptionList, WhatDoesNotGoTogetherBelongsToTheSameVerb) {
   for (const Verb& verb : plain_program().verbs) {
     Draft draft;
-    const std::vector<Option> options = options_in(options_of(verb.bit, draft));
+    const std::vector<Option> options = options_in(options_of(verb.bit, draft, Extent::read));
     std::vector<std::string> names;
     for (const Option& option : options) names.push_back(option.short_name());
     for (const Option& option : options) {
