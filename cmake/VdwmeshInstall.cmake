@@ -18,7 +18,7 @@ set(analysis_headers comparison convergence distance_measurer distances exposure
     signed_distance study)
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
-set(cuda_headers backend cuda_source on_device)
+set(cuda_headers backend backend_choice cuda_source on_device)
 foreach(room core spheres surface structure extract refine measures creases excluded batch mesh analysis render cuda)
   set(folder "${PROJECT_SOURCE_DIR}/src/${room}")
   if(room STREQUAL "cuda")

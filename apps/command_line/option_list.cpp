@@ -156,10 +156,9 @@ std::vector<Option> surface_options(Draft& d) {
        by_default("vdw")},
       {"--mesher", kSurfaces | kRanksMesh, one(m.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
-       otherwise(
-           d.verb == kRanksMesh
-               ? "marching-cubes; exact with an edge length"
-               : "exact; marching-cubes with --spacing, --padding, --preset or a blended --field")},
+       otherwise(d.verb == kRanksMesh
+                     ? "marching-cubes; exact with an edge length"
+                     : "exact; marching-cubes with --spacing, --padding or a blended --field")},
       {"--edge-length", kSurfaces | kRanksMesh, one(m.edge_length, length("0.35")),
        "length of the mesh's edges; marching cubes take --spacing instead", otherwise("0.35")},
       {"--relative-edge", kSurfaces | kRanksMesh,
@@ -178,8 +177,8 @@ std::vector<Option> surface_options(Draft& d) {
        no_default()},
       {"--field", kGrids, one(m.field.kind, named<FieldKind>()), "what is meshed",
        by_default("vdw")},
-      {"--preset", kGrids, one(m.field.preset, named<FieldPreset>()),
-       "parameters of the blended fields", by_default("radius-aware")},
+      {"--preset", kGrids, one(m.preset, named<FieldPreset>()), "parameters of the blended fields",
+       otherwise("radius-aware")},
       {"--spacing", kGrids, one(m.spacing, length("0.5")), "of the grid of marching cubes",
        otherwise("0.5; thesis presets 0.4")},
       {"--padding", kGrids, one(m.padding, number("Å", Range::non_negative, "1.5")),
@@ -188,8 +187,7 @@ std::vector<Option> surface_options(Draft& d) {
        "of the blended fields", otherwise("1")},
       {"--blobbiness", kGrids, one(m.field.blobbiness, number("B", Range::positive, "2")),
        "of --field blinn", otherwise("2")},
-      {"--subdivide", kMesh | kRanksMesh, one(m.subdivisions, levels), subdivide,
-       otherwise("0")},
+      {"--subdivide", kMesh | kRanksMesh, one(m.subdivisions, levels), subdivide, otherwise("0")},
       {"--subdivide", kReport | kRender | kBatch, one(m.subdivisions, levels), subdivide,
        otherwise("0; 1 with marching cubes")},
       {"--project", kGrids, one(m.projection, named<Projection>()), project,

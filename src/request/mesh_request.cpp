@@ -38,9 +38,8 @@ std::string option_of_grid(const MeshRequest& r) {
 // The option that asks for marching cubes without naming them: only they have a grid and fields
 // other than the union. Empty where none does.
 std::string option_of_marching_cubes(const MeshRequest& r) {
-  const std::string of_field =
-      first_said(r.door, {{r.field.kind != FieldKind::vdw, "field"},
-                          {r.field.preset != FieldPreset::radius_aware, "preset"}});
+  const std::string of_field = first_said(
+      r.door, {{r.field.kind != FieldKind::vdw, "field"}, {r.preset.has_value(), "preset"}});
   return of_field.empty() ? option_of_grid(r) : of_field;
 }
 
@@ -167,13 +166,14 @@ SurfaceOptions settle(const MeshRequest& r) {
   SurfaceOptions s;
   s.kind = surface_of(r.surface);
   if (s.kind == ExactSurface::excluded) check_excluded(r);
-  check_field(r.field, r.door);
+  s.field = r.field;
+  s.field.preset = r.preset.value_or(FieldPreset::radius_aware);
+  check_field(s.field, r.door);
   settle_mesher(s, r);
   s.grading = r.grading, s.edge_lengths = r.edge_lengths, s.min_angle = r.min_angle;
   s.edge_length = r.edge_length;
   if (!s.edge_length && !s.grading.relative) s.edge_length = kUsualEdgeLength;
-  s.field = r.field;
-  s.grid = preset_grid(r.field.preset, r.spacing, r.padding);
+  s.grid = preset_grid(s.field.preset, r.spacing, r.padding);
   const bool is_exact = s.mesher == Mesher::exact;
   s.subdivisions = r.subdivisions.value_or(is_exact ? 0 : r.subdivisions_of_cubes);
   settle_projection(s, r);

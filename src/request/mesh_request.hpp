@@ -32,9 +32,10 @@ struct MeshRequest {
   Mesher usual_mesher = Mesher::exact;  // where nothing that is asked for tells
   std::optional<double> edge_length;    // Å
   EdgeGrading grading;
-  std::vector<double> edge_lengths;  // Å, by atom
-  std::optional<double> min_angle;   // degrees
-  FieldOptions field;
+  std::vector<double> edge_lengths;        // Å, by atom
+  std::optional<double> min_angle;         // degrees
+  FieldOptions field;                      // but for its preset
+  std::optional<FieldPreset> preset;       // radius_aware, if none was said
   std::optional<double> spacing, padding;  // Å
   bool fixed_grid = false;                 // nodes at multiples of the spacing
   std::optional<int> subdivisions;

@@ -163,7 +163,7 @@ class ArraysTest(unittest.TestCase):
             ("select: 'protein' needs names", frames, {"select": "protein"}),
             ("select: is a mask of 2", frames, {"select": [True, False]}),
             ("atoms[0]: 454 is no index", frames, {"atoms": [454]}),
-            ("topology: 'all'", frames, {"topology": "all"}),
+            ("topology: all", frames, {"topology": "all"}),
             ("chunk: 0", frames, {"chunk": 0}),
             ("step: is 0", frames, {"step": 0}),
             ("stop: 1.5", frames, {"stop": 1.5}),

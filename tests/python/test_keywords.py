@@ -52,6 +52,7 @@ class KeywordPairs(unittest.TestCase):
         places = np.stack([coords, coords + 0.3, coords * 1.1])
         ball = vdwmesh.mesh(coords, radii, edge_length=0.9)
         x, y, z = np.mgrid[-1:1:9j, -1:1:9j, -1:1:9j]
+        around = coords.mean(0) + np.stack(np.mgrid[-4:5:2, -4:5:2, -4:5:2], axis=-1).reshape(-1, 3)
         cls.calls = {
             "read": lambda **k: vdwmesh.read(cls.path, **k),
             "batch": lambda **k: list(vdwmesh.batch([cls.path, cls.path], **k)),
@@ -65,7 +66,7 @@ class KeywordPairs(unittest.TestCase):
             "marching_cubes": lambda **k: vdwmesh.marching_cubes(0.5 - np.sqrt(x**2 + y**2 + z**2), 0, **k),
             "quality": lambda **k: vdwmesh.quality(ball, **k),
             "compare": lambda **k: vdwmesh.compare(ball, coords, radii, **k),
-            "signed_distance": lambda **k: vdwmesh.signed_distance([[9, 9, 9]], coords, radii, **k),
+            "signed_distance": lambda **k: vdwmesh.signed_distance(around, coords, radii, **k),
         }
 
     @classmethod

@@ -62,7 +62,7 @@ class ExcludedTest(ProgramTest):
             with self.assertRaises(vdwmesh.InvalidInput):
                 vdwmesh.exact([[0, 0, 0]], [1.5], surface="excluded", **options)
         with self.assertRaises(vdwmesh.InvalidInput):
-            vdwmesh.exact([[0, 0, 0]], [1.5], surface="sas")
+            vdwmesh.exact([[0, 0, 0]], [1.5], surface="vdv")
         with self.assertRaises(vdwmesh.InvalidInput):
             vdwmesh.exact([[0, 0, 0]], [1.5], surface="excluded", device="gpu")
         # A device makes no shells; without one there is nothing to ask.

@@ -114,7 +114,8 @@ VDWMESH_INLINE void PatchLanes::Straddling::add(const Lanes (&normal)[3], const 
 }
 
 // A mask of the triangles that may cross triangle `lane` of `other`, whatever their boxes are.
-// `their` is of that triangle, `our` of the triangles here.
+// `their_normal` and `their_base` are of that triangle, `our_normal` and `our_base` of the
+// triangles here.
 VDWMESH_INLINE std::uint32_t PatchLanes::may_cross(const PatchLanes& other,
                                                    std::size_t lane) const {
   Lanes their_normal[3], their_base[3], our_normal[3], our_base[3];
