@@ -31,8 +31,8 @@ DeviceList cuda_devices();
 Backend resolve(Backend requested);
 
 // For processes that share the devices of a host: makes the usable device with number `process`,
-// modulo their number, current on the calling thread, so that objects of cuda/backend.hpp compute on it.
-// Does nothing if there is none.
+// modulo their number, current on the calling thread, so that objects of cuda/backend.hpp compute
+// on it. Does nothing if there is none.
 void share_devices(std::size_t process);
 
 // Where the backend is chosen by itself: so many balls or more are worth starting a device for
