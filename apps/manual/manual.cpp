@@ -18,8 +18,8 @@
 #include "command_line/help.hpp"
 #include "outcome.hpp"
 #include "ranks/rank_program.hpp"
-#include "request/refuse.hpp"
 #include "report/output.hpp"
+#include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
