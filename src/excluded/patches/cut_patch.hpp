@@ -151,11 +151,11 @@ VDWMESH_HD double flat_faces(const CutPatch<Lists>& patch, const ClipOthers& cli
     CapFace<Lists> face(cap.axis, cap.cosine);
     clip_others(face);
     for (const PatchSide& side : patch.sides) face.clip(-1.0 * side.inward, 0);
-    for (std::uint32_t j = 0; j < patch.cap_count(); ++j) {
+    for (std::uint32_t j = 0; j < patch.cap_count() && !face.is_empty(); ++j) {
       if (j == c) continue;
       const Vec3d normal = patch.caps[j].axis - cap.axis;
       const double height = patch.caps[j].cosine - cap.cosine;
-      if (norm(normal) > kSame || std::abs(height) > kSame) {
+      if (std::abs(height) > kSame || norm(normal) > kSame) {
         face.clip(normal, height);
       } else {
         face.clip({0, 0, 0}, c < j ? 1.0 : -1.0);

@@ -157,6 +157,7 @@ class CapFace {
     now_ = 1 - now_;
   }
 
+  VDWMESH_HD bool is_empty() const { return polygons_[now_].empty(); }
   VDWMESH_HD double area() const {
     const FacePoints& polygon = polygons_[now_];
     double sum = 0;
