@@ -101,9 +101,15 @@ double overlap_of(const Sphere& a, const Sphere& b) {
   return a.radius + b.radius - std::sqrt(dot(to, to));
 }
 
-// Calls visit(other) for the balls that overlap the one at `place`.
+// Calls visit(other) for the balls that overlap the one at `place`: those that cut it, which the
+// caps know, and all if one buries it.
 template <class Visit>
-void visit_overlapping(const CellListView& list, ListPlace place, const Visit& visit) {
+void visit_overlapping(const CellListView& list, ListPlace place, const arcs::BallCaps& caps,
+                       bool is_buried, const Visit& visit) {
+  if (!is_buried) {
+    for (const ListPlace other : caps.neighbors()) visit(other);
+    return;
+  }
   const Sphere& ball = list.spheres[place];
   const Vec3d reach{ball.radius, ball.radius, ball.radius};
   visit_near_box(list, ball.center - reach, ball.center + reach, [&](ListPlace other) {
@@ -118,14 +124,9 @@ void find_covers(const CoverRun& run, ListPlace place, bool is_buried, CoverThre
   const std::int32_t own = run.group_at(place);
   work.others.clear();
   bool has_strangers = false;
-  const auto note = [&](ListPlace other) {
+  visit_overlapping(run.list, place, work.caps, is_buried, [&](ListPlace other) {
     has_strangers |= note_other(run.group_at(other), own, work.others);
-  };
-  if (is_buried) {
-    visit_overlapping(run.list, place, note);
-  } else {
-    for (const ListPlace other : work.caps.neighbors()) note(other);
-  }
+  });
   work.covers.assign(1, {own, own});
   for (const std::int32_t other : work.others)
     work.covers.push_back({std::min(own, other), std::max(own, other)});
@@ -134,10 +135,10 @@ void find_covers(const CoverRun& run, ListPlace place, bool is_buried, CoverThre
 
 // Appends the ball to those of the pair, with its deepest overlap; the lowest id wins ties.
 void add_atom(const CoverRun& run, ListPlace place, const CoverGroups& pair, double area,
-              std::vector<FoundAtom>& atoms) {
+              bool is_buried, CoverThread& work) {
   const std::int32_t own = run.group_at(place), other = pair.a == own ? pair.b : pair.a;
   FoundAtom atom{pair, run.list.id[place], area, 0, -1};
-  visit_overlapping(run.list, place, [&](ListPlace near) {
+  visit_overlapping(run.list, place, work.caps, is_buried, [&](ListPlace near) {
     if (run.group_at(near) != other) return;
     const double depth = overlap_of(run.list.spheres[place], run.list.spheres[near]);
     const SphereId id = run.list.id[near];
@@ -145,7 +146,7 @@ void add_atom(const CoverRun& run, ListPlace place, const CoverGroups& pair, dou
     atom.deepest = id;
     atom.depth = depth;
   });
-  atoms.push_back(atom);
+  work.atoms.push_back(atom);
 }
 
 // Chooses the caps of a cover.
@@ -195,7 +196,7 @@ void measure_ball(const CoverRun& run, ListPlace place, CoverThread& work) {
       if (is_pair && !(m.doubts & kNoFaces)) add_faces(run, place, cover, work);
     }
     if (std::isnan(area)) work.doubtful.push_back({cover, id, is_last});
-    if (is_pair) add_atom(run, place, cover, area, work.atoms);
+    if (is_pair) add_atom(run, place, cover, area, is_buried, work);
     if (&cover == &work.covers.front()) run.result.alone[id] = area;
     if (is_last) run.result.in_whole[id] = area;
   }
@@ -288,9 +289,9 @@ void make_pairs(const CoverRun& run, const std::vector<FoundAtom>& atoms) {
       made.atoms.push_back({first->sphere, alone, first->in_pair});
       (is_of_a ? buried_a : buried_b).add(alone);
       (is_of_a ? buried_a : buried_b).add(-first->in_pair);
-      if (!is_of_a || first->depth <= made.overlap) continue;
-      made.deepest_a = first->sphere;
-      made.deepest_b = first->deepest;
+      if (first->depth <= made.overlap) continue;
+      made.deepest_a = is_of_a ? first->sphere : first->deepest;
+      made.deepest_b = is_of_a ? first->deepest : first->sphere;
       made.overlap = first->depth;
     }
     made.buried_a = buried_a.nearest();
