@@ -14,7 +14,7 @@ namespace vdwmesh::apps {
 namespace {
 
 constexpr VerbSet kRanks = kRanksMesh | kRanksExact;
-constexpr VerbSet kOneInput = kMesh | kReport | kExact | kCompare | kRender | kRanks;
+constexpr VerbSet kOneInput = kMesh | kReport | kExact | kInterface | kCompare | kRender | kRanks;
 constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
 constexpr VerbSet kStructures = kInputs | kBatch;
 constexpr VerbSet kOneSurface = kMesh | kReport | kRender;
@@ -31,6 +31,15 @@ constexpr const char* kNameInput =
     "name a structure file (.pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz), - for "
     "standard "
     "input, or --sample ubiquitin";
+
+// Selections in order; an atom may be in one of them only.
+Reader sides(ReadOptions& read) {
+  const auto add = [&read](std::string_view, const std::string& selection) {
+    read.groups.push_back(selection);
+    read.shared_atoms = SharedAtoms::refused;
+  };
+  return {"", "", add, Use::none, Times::often};
+}
 
 // The places of all inputs, one by one.
 Reader inputs(std::vector<std::string>& paths, Times times) {
@@ -94,13 +103,18 @@ std::vector<Option> input_options(Draft& d) {
       {"MESH", kCompare, one(d.options.mesh_path, text(""), Use::reads),
        "mesh file: .ply .obj .off .stl or .glb",
        required("name a mesh file (.ply .obj .off .stl .glb), then INPUT")},
-      {"INPUT", kOneInput & ~kRender, inputs(d.paths, Times::once), kFormats, required(kNameInput),
-       "--sample"},
+      {"INPUT", kOneInput & ~(kRender | kInterface), inputs(d.paths, Times::once), kFormats,
+       required(kNameInput), "--sample"},
+      {"INPUT", kInterface, inputs(d.paths, Times::once), kFormats,
+       required("name a structure file, and the two sides if they are not chains")},
       {"INPUT", kRender, inputs(d.paths, Times::once),
        "structure: " + std::string(kFormats) + "; or a mesh: .ply .obj .off .stl .glb",
        required("name a structure file (.pdb .cif ...) or a mesh file (.ply .stl ...), or --sample "
                 "ubiquitin"),
        "--sample"},
+      {"SIDE", kInterface, sides(r),
+       "two or more selections (as --select), such as A B or A/1-50 A/51-99",
+       otherwise("all chains; those that touch")},
       {"INPUT", kSeveralInputs, inputs(d.paths, Times::often), kFormats, required(kNameInput),
        "--sample"},
       {"INPUT", kBatch, inputs(d.paths, Times::often),
@@ -108,7 +122,7 @@ std::vector<Option> input_options(Draft& d) {
        "or an archive on standard input",
        required("name structure files, a folder, a tar archive or a list of names, or - for a list "
                 "or an archive on standard input")},
-      {"--sample", kInputs, several(d.samples, text("NAME", {"ubiquitin", "bpti"})),
+      {"--sample", kInputs & ~kInterface, several(d.samples, text("NAME", {"ubiquitin", "bpti"})),
        "built-in structures in place of INPUT: ubiquitin, bpti"},
       {"--format", kStructures, one(r.format, named<StructureFormat>()),
        "of INPUT, where its name does not tell"},
@@ -121,7 +135,9 @@ std::vector<Option> input_options(Draft& d) {
        "radius of a probe of solvent, 1.4 for water: added to every radius, or with --surface "
        "ses rolled over the atoms",
        otherwise("0; 1.4 with --surface sas or ses")},
-      {"--probe", kStructures & ~kExcluded, one(d.measure.probe, probe),
+      {"--probe", kInterface, one(d.measure.probe, probe),
+       "radius of a probe of solvent, added to every radius", otherwise("1.4")},
+      {"--probe", kStructures & ~(kExcluded | kInterface), one(d.measure.probe, probe),
        "radius of a probe of solvent, 1.4 for water: added to every radius", otherwise("0")},
       {"--model", kStructures, one(r.model, text("N", {"first", "all"})),
        "model number, first, or all models as one set", by_default("first")},
@@ -341,13 +357,17 @@ std::vector<Option> output_options(Draft& d) {
       {"--page-triangles", kStudy,
        one(o.study.page_triangles, whole<std::uint64_t>(0, 100'000'000)),
        "most triangles of all meshes shown on the page", by_default("1000000")},
-      {"--json", kReports | kInfo | kRanks, one(o.output.json, text("FILE"), Use::writes),
-       "the report as JSON; - is standard output"},
+      {"--json", kReports | kInterface | kInfo | kRanks,
+       one(o.output.json, text("FILE"), Use::writes), "the report as JSON; - is standard output"},
       {"--per-atom", kReport, one(o.output.per_atom, text("FILE"), Use::writes),
        "CSV of radius, exact area, mesh area, exact volume; - is standard output"},
       {"--per-atom", kExact | kRanksExact, one(o.output.per_atom, text("FILE"), Use::writes),
        "CSV of radius, exact area, exact volume; - is standard output"},
-      {"--group", kReport | kExact | kRanksExact, one(o.output.group, named<AtomGroup>()),
+      {"--per-atom", kInterface, one(o.output.per_atom, text("FILE"), Use::writes),
+       "CSV of the atoms of each interface: area alone, in the pair and among all, buried area, "
+       "area of contacts; - is standard output"},
+      {"--group", kReport | kExact | kInterface | kRanksExact,
+       one(o.output.group, named<AtomGroup>()),
        "rows of --per-atom; of residues with the relative areas of radius sets such as protor",
        by_default("atom")},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),

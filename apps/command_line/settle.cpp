@@ -110,6 +110,7 @@ void settle_exact(Draft& d) {
     m.method = UnionMethod::arcs, m.topology = m.topology.value_or(TopologyRequest::counts);
   const bool fast = d.verb == kBatch && d.options.batch.verb == BatchVerb::exact &&
                     m.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
+  if (d.verb == kInterface) m.surface = SurfaceChoice::sas;
   if (fast) m.usual_topology = TopologyRequest::none;
   m.backend = d.options.machine.backend;
   d.options.exact = settle(m);
@@ -129,6 +130,12 @@ void settle_excluded(const Draft& d) {
             "it out");
   refuse_if(cuda && d.measure.topology == TopologyRequest::full,
             "--topology full: shells are found on the CPU; leave out --backend cuda");
+}
+
+void settle_interface(const Draft& d) {
+  refuse_if(d.verb == kInterface && d.read.groups.size() == 1,
+            "SIDE {}: an interface has two sides; name another one, or none for all chains",
+            d.read.groups.front());
 }
 
 void settle_distances(const Draft& d) {
@@ -263,6 +270,7 @@ void settle(Draft& d) {
   settle_exact(d);
   settle_input(d);
   settle_excluded(d);
+  settle_interface(d);
   settle_distances(d);
   settle_machine(d);
   settle_output(d);

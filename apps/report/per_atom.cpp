@@ -172,4 +172,47 @@ std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<Exclu
   return csv;
 }
 
+std::string interface_csv(const InterfaceTable& table) {
+  const auto& [molecule, probe, sides, side_of_atom, found, group] = table;
+  struct Loss {
+    WideSum buried, contact;
+  };
+  std::vector<std::size_t> row_of_atom;
+  std::vector<AtomRow> rows = make_rows(molecule, group, row_of_atom);
+  std::vector<std::array<WideSum, 2>> areas(rows.size());  // alone, among all
+  for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
+    ++rows[row_of_atom[i]].atoms;
+    if (side_of_atom[i] < 0) continue;
+    areas[row_of_atom[i]][0].add(found.alone[i]);
+    areas[row_of_atom[i]][1].add(found.in_whole[i]);
+  }
+  std::string csv =
+      "side,other_side,model,chain,residue_number,residue_name,atom_name,element,serial,atoms,"
+      "radius,area,area_in_pair,area_in_whole,buried_area,contact_area,segment\n";
+  for (const Interface& pair : found.pairs) {
+    std::map<std::pair<std::int32_t, std::size_t>, Loss> losses;  // by side and row
+    const auto loss_of = [&](SphereId id) -> Loss& {
+      return losses[{side_of_atom[id], row_of_atom[id]}];
+    };
+    for (const InterfaceAtom& atom : pair.atoms) loss_of(atom.sphere).buried.add(atom.buried());
+    for (const AtomContact& contact : pair.contacts) {
+      loss_of(contact.a).contact.add(contact.area);
+      loss_of(contact.b).contact.add(contact.area);
+    }
+    for (const auto& [place, loss] : losses) {
+      const auto& [side, row] = place;
+      const double buried = loss.buried.value(), contact = loss.contact.value();
+      if (buried == 0 && contact == 0) continue;
+      const std::int32_t other = side == pair.a ? pair.b : pair.a;
+      csv += fmt::format("{},{},", csv_field(sides[static_cast<std::size_t>(side)]),
+                         csv_field(sides[static_cast<std::size_t>(other)]));
+      print_place(csv, rows[row], probe);
+      const double area = areas[row][0].value();
+      csv += fmt::format(",{},{},{},{},{}{}\n", area, area - buried, areas[row][1].value(), buried,
+                         contact, segment_field(rows[row]));
+    }
+  }
+  return csv;
+}
+
 }  // namespace vdwmesh::apps

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "excluded/excluded_measures.hpp"
+#include "interface/interfaces.hpp"
 #include "measures/exact_union.hpp"
 #include "options.hpp"
 #include "structure/molecule.hpp"
@@ -30,5 +31,20 @@ std::string per_atom_csv(const PerAtomTable& table);
 // and volume.
 std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
                                AtomGroup group);
+
+// What the table of interfaces is made of.
+struct InterfaceTable {
+  const Molecule& molecule;
+  double probe;  // Å
+  const std::vector<std::string>& sides;
+  const std::vector<std::int32_t>& side_of_atom;
+  const Interfaces& found;
+  AtomGroup group;
+};
+
+// The atoms, residues or chains of each interface, in the order of the interfaces and of the file:
+// area alone, with the other side and among all, buried area, area of contacts. Rows that neither
+// lose area nor touch an atom of the other side are left out.
+std::string interface_csv(const InterfaceTable& table);
 
 }  // namespace vdwmesh::apps

@@ -142,6 +142,27 @@ struct ComparisonReport : Comparison {
   std::optional<std::string> distances_reason;  // why automatic did not take CUDA for them
 };
 
+// One side of an interface. Areas in Å².
+struct SideReport {
+  double area = 0, area_in_pair = 0, area_in_whole = 0;  // alone; with the other side; with all
+  double buried_area = 0;                                // by the other side
+  std::uint64_t atoms = 0, residues = 0;                 // that lose area to it
+};
+
+// The faces that the atoms of two residues share, Å².
+struct ResidueContact {
+  std::string a, b;  // "A/10 GLN"
+  double area = 0;
+};
+
+struct InterfaceReport {
+  std::string a, b;                          // chains or selections
+  double buried_area = 0, contact_area = 0;  // Å², of both sides; of all contacts
+  SideReport side_a, side_b;
+  std::optional<AreaByPolarity> buried_by_polarity;  // where the radius set has one
+  std::vector<ResidueContact> contacts;              // largest first
+};
+
 struct Report {
   InputReport input;
   std::optional<ParametersReport> parameters;
@@ -149,6 +170,7 @@ struct Report {
   std::optional<MeshReport> mesh;
   std::optional<ExactReport> exact;
   std::optional<ExcludedMeasures> excluded;
+  std::optional<std::vector<InterfaceReport>> interfaces;
   std::optional<ComparisonReport> comparison;
   std::optional<PictureReport> picture;
   Timing timing;

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include "command_line/names.hpp"
@@ -301,6 +304,28 @@ void excluded_text(Text out, const ExcludedMeasures& excluded) {
   count("Euler characteristic", [](const T& t) { return t.euler_characteristic; });
 }
 
+// The largest first; most people look at a few of a large complex.
+void interfaces_text(Text out, std::vector<InterfaceReport> interfaces) {
+  constexpr std::size_t kMostRows = 24;
+  const auto buried = [](const InterfaceReport& i) { return i.buried_area; };
+  std::ranges::stable_sort(interfaces, std::greater(), buried);
+  const std::size_t shown = std::min(interfaces.size(), kMostRows);
+  fmt::format_to(out, "\n{:<22}{:>14}{:>12}{:>12}{:>14}{:>10}{:>10}\n", "Interface", "buried Å²",
+                 "of the 1st", "of the 2nd", "contacts Å²", "atoms", "residues");
+  for (const InterfaceReport& i : std::span(interfaces).first(shown)) {
+    const auto& [a, b] = std::tie(i.side_a, i.side_b);
+    const std::string name = printable(fmt::format("{} with {}", i.a, i.b));
+    fmt::format_to(out, "{:<22}{:>13.3f}{:>12.3f}{:>12.3f}{:>13.3f}{:>10}{:>10}\n", name,
+                   i.buried_area, a.buried_area, b.buried_area, i.contact_area, a.atoms + b.atoms,
+                   a.residues + b.residues);
+    if (!i.buried_by_polarity) continue;
+    fmt::format_to(out, "{:<22}{:>13.3f} polar, {:.3f} apolar\n", "", i.buried_by_polarity->polar,
+                   i.buried_by_polarity->apolar);
+  }
+  if (shown < interfaces.size())
+    fmt::format_to(out, "and {} smaller ones, which --json lists\n", interfaces.size() - shown);
+}
+
 // The ends of the intervals with all their digits: rounded ones might not contain the value.
 void certificate_text(Text out, const UnionCertificate& certificate) {
   line(out, "Certified",
@@ -381,7 +406,11 @@ std::string to_text(const Report& report) {
   if (report.exact && report.exact->certificate) certificate_text(out, *report.exact->certificate);
   if (report.exact) measured_text(out, report.input);
   if (report.excluded) excluded_text(out, *report.excluded);
-  if (!report.excluded || report.mesh) table_text(out, report);
+  if (report.interfaces) {
+    interfaces_text(out, *report.interfaces);
+  } else if (!report.excluded || report.mesh) {
+    table_text(out, report);
+  }
   if (report.mesh) mesh_text(out, *report.mesh);
   if (report.comparison && report.comparison->proof) {
     proof_text(out, *report.comparison, *report.mesh);

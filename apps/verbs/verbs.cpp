@@ -11,6 +11,8 @@ const Verb kVerbs[] = {
     {kReport, "report", "a mesh, the exact area, volume and topology, and how far apart they are",
      run_report},
     {kExact, "exact", "exact area, volume and topology, no mesh", run_exact},
+    {kInterface, "interface", "what chains or other groups of atoms bury of each other's surface",
+     run_interface},
     {kCompare, "compare", "a triangle mesh, from any program, against the exact surface",
      run_compare},
     {kRender, "render", "a picture of a structure's surface, or of a mesh file", run_render},

@@ -23,6 +23,7 @@ enum class StructureFormat { by_extension, pdb, mmcif, bcif, pqr, xyzr };
 inline constexpr std::uint64_t kReadingFactor = 12;
 
 enum class Inclusion { keep, drop };
+enum class SharedAtoms { to_last_group, refused };
 
 // Which atoms are taken from the file, and which radii they get. The options drop atoms in this
 // order: model, waters, virtual sites, hydrogens, HETATM records, alternate locations, selection,
@@ -38,7 +39,9 @@ struct ReadOptions {
   // assembly all copies of a selected atom are measured.
   std::string measure;
   // Selections that divide the atoms into groups, as `select`; Atom::group says which is whose.
+  // An atom of several groups belongs to the last one, or is refused.
   std::vector<std::string> groups;
+  SharedAtoms shared_atoms = SharedAtoms::to_last_group;
   Inclusion waters = Inclusion::drop;
   Inclusion hydrogens = Inclusion::keep;     // deuterium counts as hydrogen
   Inclusion hetero_atoms = Inclusion::keep;  // HETATM records
@@ -76,7 +79,7 @@ bool has_structure_extension(const std::filesystem::path& name);
 // cannot be opened or understood (the message names the file, and the line if there is one),
 // LimitExceeded if the text is longer than 2 GiB or than the memory limit allows, and InvalidInput
 // if the options do not suit the file: no atom is left or none to be measured, a
-// group has none, an atom has no known
+// group has none or shares one that it may not, an atom has no known
 // radius, or the file lacks the model, assembly or label; and Cancelled.
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
 

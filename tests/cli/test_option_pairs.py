@@ -18,11 +18,12 @@ import program
 from program import NO_BACKEND, PROGRAM, UNSEEN, ProgramTest, missing, run
 
 TABLE = pathlib.Path(__file__).with_name("option_pairs.csv")
-VERBS = ("mesh", "report", "exact", "compare", "render", "study", "batch", "info")
+VERBS = ("mesh", "report", "exact", "interface", "compare", "render", "study", "batch", "info")
 BASE = {
     "mesh": "in.pdb -o out.ply",
     "report": "in.pdb --json figures.json",
     "exact": "in.pdb --json figures.json",
+    "interface": "in.pdb --json figures.json",
     "compare": "sphere.off in.pdb --json figures.json",
     "render": "in.pdb -o out.png --size 240x180",
     "study": "in.pdb -o out --spacing 1 --field vdw --edge-length 1 --subdivide 0",
@@ -30,7 +31,7 @@ BASE = {
     "info": "",
 }
 # Of a report: the figures, without what echoes the command line and what a clock or a machine says.
-FIGURES = ("mesh", "exact", "excluded", "comparison", "picture", "structures", "inputs")
+FIGURES = ("mesh", "exact", "excluded", "interfaces", "comparison", "picture", "structures", "inputs")
 OF_THE_MACHINE = re.compile(r"seconds|time|path|bytes|memory|device|rss|wall|cpu|parameters|floor|copy")
 
 MODEL = """\

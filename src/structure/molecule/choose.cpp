@@ -221,6 +221,12 @@ class Choice {
       bool is_empty = true;
       for (const Site& site : sites_) {
         if (!selection.contains(site)) continue;
+        const std::int32_t other = site.atom->group;
+        if (other != kNoGroup && options_.shared_atoms == SharedAtoms::refused)
+          throw InvalidInput(
+              fmt::format("{}: selections {} and {} share atoms; an atom can be on one side only",
+                          file_.path, in_quotes(options_.groups[static_cast<std::size_t>(other)]),
+                          in_quotes(options_.groups[g])));
         site.atom->group = static_cast<std::int32_t>(g);
         is_empty = false;
       }

@@ -1,0 +1,29 @@
+// Steps that measure interfaces between chains or chosen groups of atoms.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "interface/interfaces.hpp"
+#include "steps/steps.hpp"
+
+namespace vdwmesh::apps {
+
+// What the sides of interfaces are called, and for each atom the number of its side; kNoGroup: it
+// is on none.
+struct Sides {
+  std::vector<std::string> names;
+  std::vector<std::int32_t> of_atom;
+};
+
+// The selections by which the molecule was read or, if there are none, its chains; those of several
+// models are told apart. Throws InvalidInput if there are fewer than two.
+Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selections);
+
+// Measures the interfaces and fills their part of the report: of selections all pairs, of chains
+// those that touch. Warns of atoms that clash.
+Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
+                              const InputOptions& input, Session& session);
+
+}  // namespace vdwmesh::apps

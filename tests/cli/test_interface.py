@@ -1,0 +1,129 @@
+"""vdwmesh interface: beside three runs of `exact`, beside formulas, its table, and what it refuses."""
+
+import csv
+import json
+import math
+
+from program import BAD_INPUT, ProgramTest, need_shared, parse_json, schema_validator
+
+SAME = 1e-12  # relative: the rounding of sums over some thousand atoms, printed in full
+ATOM = "ATOM  {0:5}  CA  ALA {1}{2:4}    {3:8.3f}   0.000   0.000  1.00  0.00           C  \n"
+
+
+class Interface(ProgramTest):
+    def interfaces(self, *arguments):
+        path = self.folder / "r.json"
+        self.run_ok("interface", *arguments, "--json", path)
+        report = parse_json(path.read_text())
+        schema_validator().validate(report)
+        return report["interfaces"], report
+
+    def area(self, path, *arguments):
+        """The accessible area by a run of its own."""
+        out = self.folder / "e.json"
+        self.run_ok("exact", path, "--surface", "sas", "--json", out, *arguments)
+        return parse_json(out.read_text())["exact"]["area"]
+
+    def chain_of_atoms(self, *atoms):
+        """Carbon atoms on the x axis, as (chain, x)."""
+        text = "".join(ATOM.format(i, chain, i, x) for i, (chain, x) in enumerate(atoms, 1))
+        return self.file("atoms.pdb", text + "END\n")
+
+    def test_chains_beside_three_runs(self):
+        path = need_shared("molecules/thesis/4HHB.pdb")
+        found, _ = self.interfaces(path)
+        # B and D do not touch: together they have what each has alone.
+        self.assertEqual({(i["a"], i["b"]) for i in found},
+                         {("A", "B"), ("A", "C"), ("A", "D"), ("B", "C"), ("C", "D")})  # fmt: skip
+        apart = [self.area(path, "--select", chain) for chain in ("B", "D", "B,D")]
+        self.assertAlmostEqual(apart[0] + apart[1], apart[2], delta=SAME * apart[2])
+        for pair in found[:2]:
+            a, b = (self.area(path, "--select", pair[side]) for side in "ab")
+            both = self.area(path, "--select", f"{pair['a']},{pair['b']}")
+            self.assertAlmostEqual(pair["buried_area"], a + b - both, delta=SAME * both)
+            self.assertAlmostEqual(pair["side_a"]["area"], a, delta=SAME * a)
+            whole = self.area(path, "--measure", pair["a"], "--topology", "off")
+            self.assertAlmostEqual(pair["side_a"]["area_in_whole"], whole, delta=SAME * whole)
+
+    def test_selections_are_sides(self):
+        path = need_shared("molecules/thesis/4HHB.pdb")
+        by_chain = {(i["a"], i["b"]): i for i in self.interfaces(path)[0]}
+        found, _ = self.interfaces(path, "A/*(!HEM)", "B/*(!HEM)", "(HEM)", "--probe", "1.4")
+        self.assertEqual(len(found), 3)
+        one, _ = self.interfaces(path, "B", "A")
+        self.assertEqual(one[0]["buried_area"], by_chain["A", "B"]["buried_area"])
+        self.assertEqual(one[0]["buried_a"], by_chain["A", "B"]["buried_b"])
+
+    def test_two_atoms(self):
+        """Balls of radius r = 1.7 + 1.4 (Bondi 1964) at a distance d: caps and a disk."""
+        r, d = 3.1, 4.0
+        found, report = self.interfaces(self.chain_of_atoms(("A", 0), ("B", d)))
+        cap, disk = 2 * math.pi * r * (r - d / 2), math.pi * (r * r - d * d / 4)
+        self.assertAlmostEqual(found[0]["buried_a"], cap, delta=1e-12)
+        self.assertAlmostEqual(found[0]["buried_area"], 2 * cap, delta=1e-12)
+        self.assertAlmostEqual(found[0]["contact_area"], disk, delta=1e-12)
+        self.assertEqual([(c["a"], c["b"]) for c in found[0]["contacts"]], [("A/1 ALA", "B/2 ALA")])
+        self.assertEqual((found[0]["side_a"]["atoms"], found[0]["side_b"]["residues"]), (1, 1))
+        self.assertEqual(report["warnings"], [])
+
+    def test_sides_that_do_not_touch(self):
+        path = self.chain_of_atoms(("A", 0), ("B", 50))
+        found, report = self.interfaces(path)
+        self.assertEqual((found, report["notes"]), ([], ["no two chains touch"]))
+        found, _ = self.interfaces(path, "A", "B")
+        self.assertEqual((found[0]["buried_area"], found[0]["contacts"]), (0, []))
+        self.assertAlmostEqual(found[0]["side_b"]["area_in_whole"], 4 * math.pi * 3.1**2, delta=1e-12)
+
+    def test_polarity_adds_up(self):
+        path = need_shared("molecules/thesis/4INS.pdb")
+        for pair in self.interfaces(path, "--radii", "protor")[0]:
+            parts = pair["buried_polar"] + pair["buried_apolar"] + pair["buried_unclassified"]
+            self.assertAlmostEqual(parts, pair["buried_area"], delta=1e-9)
+
+    def test_clash_is_told(self):
+        _, report = self.interfaces(self.chain_of_atoms(("A", 0), ("B", 1)))
+        self.assertEqual(len(report["warnings"]), 1)
+        self.assertRegex(report["warnings"][0], r"^1 interface with atoms that clash or are bonded: A/1 ALA CA and B/2 ALA CA overlap by 2\.40 Å$")
+
+    def test_table_adds_up(self):
+        path, table = need_shared("molecules/thesis/4INS.pdb"), self.folder / "t.csv"
+        for group in ("atom", "residue", "chain"):
+            found, _ = self.interfaces(path, "--per-atom", table, "--group", group)
+            with table.open(newline="") as file:
+                rows = list(csv.DictReader(file))
+            for pair in found:
+                for own, other in (("a", "b"), ("b", "a")):
+                    mine = [r for r in rows if (r["side"], r["other_side"]) == (pair[own], pair[other])]
+                    buried = math.fsum(float(r["buried_area"]) for r in mine)
+                    contact = math.fsum(float(r["contact_area"]) for r in mine)
+                    self.assertAlmostEqual(buried, pair["buried_" + own], delta=1e-9)
+                    self.assertAlmostEqual(contact, pair["contact_area"], delta=1e-9)
+                    for r in mine:
+                        lost = float(r["area"]) - float(r["area_in_pair"])
+                        self.assertAlmostEqual(lost, float(r["buried_area"]), delta=1e-9)
+                    if group == "residue":
+                        losing = sum(float(r["buried_area"]) > 1e-9 for r in mine)
+                        self.assertEqual(losing, pair["side_" + own]["residues"])
+
+    def test_what_is_refused(self):
+        one = self.chain_of_atoms(("A", 0), ("A", 4))
+        self.assert_refused(BAD_INPUT, "interface", one, says=["one chain, A"])
+        two = self.chain_of_atoms(("A", 0), ("B", 4))
+        self.assert_refused(BAD_INPUT, "interface", two, "A", says=["two sides"])
+        for sides in (("A", "A"), ("A", "B", "/1"), ("A/1", "(ALA)")):
+            self.assert_refused(BAD_INPUT, "interface", two, *sides, says=["share atoms"])
+        self.assert_refused(BAD_INPUT, "interface", two, "A", "C")
+        self.assert_refused(BAD_INPUT, "interface", two, "--probe", "-2")
+
+    def test_models_are_told_apart(self):
+        model = ATOM.format(1, "A", 1, 0) + ATOM.format(2, "B", 2, 4)
+        path = self.file("m.pdb", f"MODEL        1\n{model}ENDMDL\nMODEL        2\n{model}ENDMDL\nEND\n")
+        found, _ = self.interfaces(path, "--model", "all")
+        self.assertIn(("1/A", "2/A"), {(i["a"], i["b"]) for i in found})
+        self.assertEqual(json.dumps(found), json.dumps(self.interfaces(path, "--model", "all")[0]))
+
+
+if __name__ == "__main__":
+    import unittest
+
+    unittest.main()
