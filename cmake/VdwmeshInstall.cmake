@@ -1,7 +1,7 @@
 # Headers, libraries and the package that find_package(vdwmesh) finds. Only the headers listed here
 # are for users. They include none of the others: tests/sources checks that, and tests/consumer
 # compiles every one of them alone from an installed copy.
-set(vdwmesh_rooms core spheres surface structure extract refine complex measures creases excluded batch mesh analysis render cuda
+set(vdwmesh_rooms core spheres surface structure extract refine complex measures creases excluded remesh batch mesh analysis render cuda
     cuda_gl)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas short_text)
@@ -12,6 +12,7 @@ set(refine_headers patch_refiner refiner)
 set(measures_headers exact_union frame_measures union_measurer)
 set(creases_headers exact_mesher)
 set(excluded_headers excluded_comparison excluded_distances excluded_measurer excluded_measures excluded_mesher)
+set(remesh_headers surface_remesher)
 set(batch_headers batch molecule_spheres structure_source)
 set(mesh_headers element_color mesh_io surface_mesh)
 set(analysis_headers comparison convergence distance_measurer distances exposure mesh_measures quality_histograms
@@ -19,7 +20,7 @@ set(analysis_headers comparison convergence distance_measurer distances exposure
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
 set(cuda_headers backend cuda_source on_device)
-foreach(room core spheres surface structure extract refine measures creases excluded batch mesh analysis render cuda)
+foreach(room core spheres surface structure extract refine measures creases excluded remesh batch mesh analysis render cuda)
   set(folder "${PROJECT_SOURCE_DIR}/src/${room}")
   if(room STREQUAL "cuda")
     set(folder "${PROJECT_SOURCE_DIR}/cuda")
