@@ -120,6 +120,9 @@ void check(const SphereSet& atoms, const PatchedMesh& mesh, const RefineOptions&
                         TriangleLabels::spheres);
   check_mesh(atoms, mesh.mesh);
   check_patches(mesh);
+  if (!mesh.vertex_patch.empty()) {
+    throw InvalidInput("a mesh that does not follow the curves between patches is not refined");
+  }
   for (const SurfacePatch& patch : mesh.patches) {
     for (const SphereId id : patch.atoms) {
       if (id == kNoSphere || id < atoms.size()) continue;

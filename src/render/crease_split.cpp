@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <unordered_map>
 
 #include "core/errors.hpp"
@@ -30,6 +31,12 @@ void check(const IndexedMesh& mesh, const SphereSet& spheres) {
 Vec3f outward(const Sphere& sphere, const Vec3d& point) {
   const Vec3d radius = point - sphere.center;
   return cast<float>((1 / norm(radius)) * radius);
+}
+
+// Whether a patch passes through a point, by more than the rounding of a float. A triangle of a
+// mesh that does not follow the curves may have vertices beyond its patch.
+bool is_on(const SurfacePatch& patch, const Vec3d& p) {
+  return std::abs(norm(footing(patch, p).to_center) - patch.radius) < 1e-6;
 }
 
 // The triangles with a copy of each corner for its piece; piece_of(t) is that of a triangle, and
@@ -79,7 +86,9 @@ IndexedMesh split_at_patches(const PatchedMesh& patched) {
       mesh, split, [&](std::size_t t) { return patched.triangle_patch[t]; },
       [&](std::uint32_t v, std::uint32_t patch) {
         const Vec3d& p = mesh.positions.at(v);
-        const Vec3f normal = cast<float>(patch_normal(patched.patches[patch], p));
+        const Vec3f normal = is_on(patched.patches[patch], p)
+                                 ? cast<float>(patch_normal(patched.patches[patch], p))
+                                 : Vec3f{0, 0, 0};
         split.positions.push_back(p);
         split.normals.push_back(squared_norm(normal) > 0 ? normal : mesh.normals.at(v));
         split.vertex_spheres.push_back(on_sphere(mesh.vertex_spheres.atoms.at(v)));

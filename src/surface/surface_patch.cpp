@@ -42,8 +42,12 @@ void check_patches(const PatchedMesh& mesh) {
     throw InvalidInput(fmt::format("the mesh has {} patches of triangles, {} are needed",
                                    mesh.triangle_patch.size(), mesh.mesh.triangle_count()));
   }
-  const auto beyond = std::ranges::find_if(
-      mesh.triangle_patch, [&](std::uint32_t patch) { return patch >= mesh.patches.size(); });
+  const auto is_beyond = [&](std::uint32_t patch) { return patch >= mesh.patches.size(); };
+  if ((!mesh.vertex_patch.empty() && mesh.vertex_patch.size() != mesh.mesh.vertex_count()) ||
+      std::ranges::any_of(mesh.vertex_patch, is_beyond)) {
+    throw InvalidInput("the patches of vertices do not fit the mesh");
+  }
+  const auto beyond = std::ranges::find_if(mesh.triangle_patch, is_beyond);
   if (beyond == mesh.triangle_patch.end()) return;
   throw InvalidInput(fmt::format("triangle {} lies on patch {}, beyond the mesh's {}",
                                  beyond - mesh.triangle_patch.begin(), *beyond,
@@ -77,13 +81,18 @@ VertexCurvatures vertex_curvatures(const PatchedMesh& mesh) {
   VertexCurvatures out;
   out.mean.resize(mesh.mesh.vertex_count());
   out.gaussian.resize(mesh.mesh.vertex_count());
+  const auto set = [&](std::uint32_t v, std::uint32_t patch) {
+    const PrincipalCurvatures c = curvatures(v, patch);
+    FiniteMean mean, gaussian;
+    mean.add(c.mean()), gaussian.add(c.gaussian());
+    out.mean[v] = mean.value(), out.gaussian[v] = gaussian.value();
+  };
+  if (!mesh.vertex_patch.empty()) {
+    for (std::uint32_t v = 0; v < mesh.vertex_patch.size(); ++v) set(v, mesh.vertex_patch[v]);
+    return out;
+  }
   for (std::size_t t = 0; t < mesh.mesh.triangle_count(); ++t) {
-    for (const std::uint32_t v : mesh.mesh.triangles[t]) {
-      const PrincipalCurvatures c = curvatures(v, mesh.triangle_patch[t]);
-      FiniteMean mean, gaussian;
-      mean.add(c.mean()), gaussian.add(c.gaussian());
-      out.mean[v] = mean.value(), out.gaussian[v] = gaussian.value();
-    }
+    for (const std::uint32_t v : mesh.mesh.triangles[t]) set(v, mesh.triangle_patch[t]);
   }
   const std::vector<VertexPatch> shared = patches_of_shared_vertices(mesh);
   for (std::size_t i = 0; i < shared.size();) {

@@ -32,15 +32,18 @@ struct SurfacePatch {
   double ring_radius = 0;
 };
 
-// A mesh whose edges follow the curves between patches. Every vertex lies on the patches of all
-// triangles around it.
+// A mesh whose triangles know their patches. If its edges follow the curves between patches,
+// `vertex_patch` is empty, and every vertex lies on the patches of all triangles around it. If not,
+// it names the patch of each vertex, and triangles take that of the foot of their middle.
 struct PatchedMesh {
   IndexedMesh mesh;
   std::vector<SurfacePatch> patches;
   std::vector<std::uint32_t> triangle_patch;  // by triangle: an index into `patches`
+  std::vector<std::uint32_t> vertex_patch;    // empty, or the same by vertex
 };
 
-// Throws InvalidInput unless every triangle names a patch of the mesh.
+// Throws InvalidInput unless every triangle names a patch of the mesh, and every vertex if any
+// does.
 void check_patches(const PatchedMesh& mesh);
 
 // A point nearer to the axis of a saddle than this share of the probe's radius is on it: a cusp. A
@@ -94,7 +97,7 @@ VDWMESH_HD inline PrincipalCurvatures patch_curvatures(const SurfacePatch& patch
 
 // Curvatures by vertex, 1/Å and 1/Å²: those of its patch, or between patches the mean of theirs. In
 // a cusp the saddles, which have no finite curvature there, do not count; a vertex with nothing but
-// saddles of that kind has NaN.
+// saddles of that kind has NaN. Of meshes with `vertex_patch` those of that patch.
 struct VertexCurvatures {
   std::vector<float> mean, gaussian;
 };
