@@ -41,7 +41,17 @@ class ConeSums {
         face_area_(k_.edges.size(), 0),
         chord_(k_.triangles.size(), 0) {}
 
-  std::vector<SphereMeasures> run() && {
+  // Of the edges, once run() has added up their triangles and tetrahedra.
+  std::vector<EdgeCone> cones() const {
+    std::vector<EdgeCone> cones(k_.edges.size());
+    for_each_index(cones.size(), [&](std::size_t e) {
+      const auto [a, b] = k_.edges[e].vertices;
+      cones[e] = cone(e, edge_shape(ball(a), ball(b)));
+    });
+    return cones;
+  }
+
+  std::vector<SphereMeasures> run() {
     make_and_add(
         k_.tetrahedra.size(),
         [&](std::size_t i) {
@@ -129,12 +139,17 @@ class ConeSums {
     }
   }
 
+  // An edge that is not exposed has no free angle, exactly.
+  EdgeCone cone(std::size_t e, const EdgeShape& shape) const {
+    const double free_angle = k_.edges[e].exposed ? 2 * std::numbers::pi - taken_dihedral_[e] : 0.0;
+    return {free_angle, face_area_[e] + shape.squared_circle_radius * free_angle / 2};
+  }
+
   // Subtracts the pieces of caps over the edge's free angle from both areas, and adds the cones
-  // from both centres over its power face. An edge that is not exposed has no free angle, exactly.
+  // from both centres over its power face.
   void add_edge(std::size_t e, const EdgeShape& shape, std::vector<BallSums>& sums) const {
     const DualEdge& edge = k_.edges[e];
-    const double free_angle = edge.exposed ? 2 * std::numbers::pi - taken_dihedral_[e] : 0.0;
-    const double face = face_area_[e] + shape.squared_circle_radius * free_angle / 2;
+    const auto [free_angle, face] = cone(e, shape);
     for (std::size_t k = 0; k < 2; ++k) {
       const std::uint32_t v = edge.vertices[k];
       const double r = t_.balls[v].radius;
@@ -157,6 +172,16 @@ std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triang
                                                 const DualComplex& complex) {
   std::vector<SphereMeasures> measures = ConeSums(triangulation, complex).run();
   require_finite(measures);
+  return measures;
+}
+
+std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triangulation,
+                                                const DualComplex& complex,
+                                                std::vector<EdgeCone>& cones) {
+  ConeSums sums(triangulation, complex);
+  std::vector<SphereMeasures> measures = sums.run();
+  require_finite(measures);
+  cones = sums.cones();
   return measures;
 }
 

@@ -20,6 +20,15 @@ namespace vdwmesh {
 std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triangulation,
                                                 const DualComplex& complex);
 
+// The exposed angle of an edge's circle, and the area of the power face in the balls.
+struct EdgeCone {
+  double angle, face;
+};
+// The same measures, and the cones of the complex's edges.
+std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triangulation,
+                                                const DualComplex& complex,
+                                                std::vector<EdgeCone>& cones);
+
 // Its areas alone, whatever becomes of the volumes. Refuses exposed balls whose radius is 0 too.
 std::vector<double> exposed_areas(const PowerTriangulation& triangulation,
                                   const DualComplex& complex);

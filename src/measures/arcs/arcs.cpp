@@ -18,6 +18,7 @@
 #include "core/fixed_blocks.hpp"
 #include "core/lanes/multiversion.hpp"
 #include "measures/arcs/ball_caps.hpp"
+#include "measures/arcs/cell_faces.hpp"
 #include "measures/arcs/cut_ball.hpp"
 #include "spheres/kept_cell_lists.hpp"
 
@@ -38,6 +39,7 @@ struct ArcThread {
   CountSums sums;
   arcs::BallCaps caps;
   arcs::CutBall ball;
+  arcs::CellFaces faces;
 };
 
 // What a caller's Workspace keeps from one call to the next, beside the result's own memory.
@@ -53,6 +55,7 @@ struct ArcRun {
   ArcMeasures& result;
   std::uint8_t* is_doubtful;  // by sphere id
   DisjointSets* connected;    // by sphere id: joins balls that overlap; null if nobody asks
+  FaceVisitor* faces;         // null if nobody asks
 };
 
 // Joins the ball with those that overlap it. If a ball buries it, joining these two is enough,
@@ -64,11 +67,21 @@ void join_neighbors(const ArcRun& run, ListPlace place, const arcs::BallCaps& ca
   for (const ListPlace other : caps.neighbors()) run.connected->join(id[place], id[other]);
 }
 
+// Whether the derivatives of a ball may have a kink (UnionGradients::kink_spheres).
+bool has_kink(const CellListView& list, ListPlace place, const arcs::BallCaps& caps,
+              bool is_buried) {
+  if (!is_buried) return caps.is_nearly_tangent();
+  const Sphere &ball = list.spheres[place], &other = list.spheres[caps.buried_by()];
+  return ball.center == other.center && ball.radius == other.radius;
+}
+
 // Returns the measures of the sphere at a list place, in Å² and Å³, with the doubts about
 // them.
 arcs::BallMeasures measure_sphere(const ArcRun& run, ListPlace place, ArcThread& work) {
   const bool is_buried = !work.caps.find(run.list, place);
   if (run.connected != nullptr) join_neighbors(run, place, work.caps, is_buried);
+  if (run.faces != nullptr && has_kink(run.list, place, work.caps, is_buried))
+    run.faces->kinks.fetch_add(1, std::memory_order_relaxed);
   if (is_buried) {
     ++work.sums.hidden;
     return {};
@@ -79,6 +92,10 @@ arcs::BallMeasures measure_sphere(const ArcRun& run, ListPlace place, ArcThread&
   const double r = run.list.spheres[place].radius;
   m.area *= r * r;
   m.volume *= r * r * r;
+  if (run.faces != nullptr && (m.doubts & ~arcs::kOnlyCountsInDoubt) == 0) {
+    run.faces->visit(run.list.id[place], run.list.spheres[place], m.area,
+                     work.faces.read(run.list, place, work.caps, work.ball));
+  }
   return m;
 }
 
@@ -145,7 +162,7 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcReques
     result.connected.emplace(spheres.size());
   for (ArcThread& space : threads) space.sums = {};
   const ArcRun run{list, result, is_doubtful.data(),
-                   result.connected ? &*result.connected : nullptr};
+                   result.connected ? &*result.connected : nullptr, request.faces};
 
   begin_stage(request.monitor, "exact union (arcs)", block_count(places.size(), kSpheresPerBlock));
   // Blocks run in list order: spheres that are near in space find the same list cells in the cache.

@@ -14,6 +14,7 @@
 #include "core/disjoint_sets.hpp"
 #include "core/monitor.hpp"
 #include "core/workspace.hpp"
+#include "measures/arcs/shared_face.hpp"
 #include "measures/exact_union.hpp"
 #include "measures/measured_spheres.hpp"
 #include "spheres/sphere_set.hpp"
@@ -61,6 +62,7 @@ struct ArcRequest {
   const MeasuredSpheres& measured;                   // all others cover these
   TopologyRequest topology = TopologyRequest::none;  // or counts
   Monitor* monitor = nullptr;
+  FaceVisitor* faces = nullptr;  // visits the measured balls that are not suspect
 };
 
 // The result is the same, bit for bit, for any number of threads. Of equal balls the lowest index

@@ -29,6 +29,10 @@ class BallCaps {
   std::span<const Cap> caps() const { return {caps_.data(), count_}; }
   // The balls that cover the caps, in the order that find() left the caps in.
   std::span<const ListPlace> neighbors() const { return {neighbors_.data(), count_}; }
+  // Of the balls that have the cap of this index, the index of the farthest, and of equal balls
+  // of the lowest id: all others are hidden there.
+  std::uint32_t farthest_of_equal(const CellListView& list, ListPlace place,
+                                  std::uint32_t cap) const;
   // A ball that buries this one; valid if find() returned false.
   ListPlace buried_by() const { return buried_by_; }
   // Whether the spheres of this ball and another one touch, or nearly so, from outside or inside.
@@ -241,6 +245,22 @@ inline bool BallCaps::find(const CellListView& list, ListPlace place, std::size_
   if (are_apart && make_caps(list, ball)) return true;
   list_candidates(list, ball, place);
   return find_singly(list, ball, place);
+}
+
+inline std::uint32_t BallCaps::farthest_of_equal(const CellListView& list, ListPlace place,
+                                                 std::uint32_t cap) const {
+  const auto distance_of = [&](std::uint32_t i) {
+    const Vec3d to = list.spheres[neighbors_[i]].center - list.spheres[place].center;
+    return inner(to, to);
+  };
+  std::uint32_t best = cap;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!same_cap(caps_[i], caps_[cap])) continue;
+    const double apart = distance_of(i) - distance_of(best);
+    const bool is_lower = list.id[neighbors_[i]] < list.id[neighbors_[best]];
+    if (apart > 0 || (apart == 0 && is_lower)) best = i;
+  }
+  return best;
 }
 
 }  // namespace vdwmesh::arcs

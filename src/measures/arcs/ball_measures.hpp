@@ -66,6 +66,7 @@ class BallMeasurer {
     std::int32_t balance = 0;  // ends of arcs less starts, counter-clockwise about the axis
     Vec3d reference{};         // from the disk's centre to its first corner
     ComplexNumber arc{1, 0};   // its argument is the exposed angle from the reference, modulo 2 pi
+    double angle = 0;          // exposed, of the circle
 
     bool meets_ball() const { return crossed || ends > 0 || whole; }
   };
@@ -83,7 +84,12 @@ class BallMeasurer {
 
   // Of the last ball. Without planes or an exposed patch it has no faces; the rest means nothing.
   bool has_faces() const { return has_faces_; }
+  // Whether the cell lies inside the ball, so that all of its faces do and nothing is exposed.
+  bool is_closed() const { return is_closed_; }
+  std::span<const EdgeEnd> inner_edges() const { return edges(2); }  // in the ball from end to end
+  // Corners edge by edge: an edge has one, or two of which the first has direction 1.
   std::span<const PatchCorner> corners() const { return {patch_corners_.data(), corners_}; }
+  std::span<const Position> corner_places() const { return {corner_places_.data(), corners_}; }
   std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
   const CellFace& face(std::uint32_t plane) const { return faces_[plane]; }
 
@@ -134,7 +140,8 @@ class BallMeasurer {
   std::array<std::size_t, 3> edge_count_{};
   std::vector<Foot> feet_;  // by plane; valid for planes_
   std::vector<PatchCorner> patch_corners_;
-  bool has_faces_ = false;
+  std::vector<Position> corner_places_;  // by corner
+  bool has_faces_ = false, is_closed_ = false;
   std::uint64_t stamp_ = 0;
   std::uint32_t inside_ = 0, doubts_ = 0, segments_ = 0, corners_ = 0;
   double worst_ = 1;  // the largest condition number of a corner's angle

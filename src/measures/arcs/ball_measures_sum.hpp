@@ -33,7 +33,7 @@ inline void AngleSum::add(const ComplexNumber& factor) {
 
 inline BallMeasures BallMeasurer::measure(const CellView& cell) {
   doubts_ = cell.doubts;
-  has_faces_ = false;
+  has_faces_ = is_closed_ = false;
   // Without a plane nothing was cut off the ball, and without a vertex nothing is left of it.
   if (cell.empty()) return {0, 0, doubts_, 0, 0};
   if (cell.plane_count == kWalls) return {4 * kPi, 4 * kPi / 3, doubts_, 2, 0};
@@ -43,12 +43,12 @@ inline BallMeasures BallMeasurer::measure(const CellView& cell) {
     stamps_.resize(faces_.size());
     planes_.resize(faces_.size() + 1);  // one is written but not kept
   }
-  const bool closed = find_inside(cell);
+  is_closed_ = find_inside(cell);
   // A simple polytope has two more faces than half its vertices.
   if (!find_faces(cell)) doubts_ |= kDamaged;
   find_edges(cell);
   find_feet(cell);
-  return closed ? measure_polytope(cell) : measure_patch(cell);
+  return is_closed_ ? measure_polytope(cell) : measure_patch(cell);
 }
 
 // Finds which vertices are inside the ball, and returns whether all are. If a vertex nearly lies on
@@ -96,6 +96,7 @@ inline void BallMeasurer::find_edges(const CellView& cell) {
   if (edges_[0].size() < 3 * vertices) {
     for (std::vector<EdgeEnd>& list : edges_) list.resize(6 * vertices);
     patch_corners_.resize(12 * vertices);  // an edge has two corners at most
+    corner_places_.resize(12 * vertices);
   }
   const EdgeEnd* const twins = cell.twin;
   EdgeEnd* const inner = edges_[2].data();
@@ -310,6 +311,7 @@ inline void BallMeasurer::add_corner(const PolytopeEdge& edge, const Cap& a, con
   open_ = open_ + cross(arm, corner);
   add_arc_end(faces_[edge.a], a, corner, -direction);
   add_arc_end(faces_[edge.b], b, corner, direction);
+  corner_places_[corners_] = {corner.x, corner.y, corner.z, 0};
   patch_corners_[corners_++] = {edge.end, direction};
 }
 
@@ -387,6 +389,7 @@ inline BallMeasures BallMeasurer::sum_up(const CellView& cell) {
       face.whole = true;
       ++whole_circles;
     }
+    face.angle = angle;
     ++disks;
     bend.add(face.ends > 0 ? angle * cap.cosine : angle * (cap.cosine - 1));
     pyramid_ += angle * cap.cosine * (1 - cap.cosine) * (1 + cap.cosine);

@@ -26,6 +26,8 @@ class CutBall {
   const CellView& cell() const { return view_; }
   const BallMeasurer& measurer() const { return measurer_; }
   std::uint32_t cap_of(std::uint32_t plane) const { return cap_of_[plane - kWalls]; }
+  // Whether several balls have the cap of one plane.
+  bool has_equal_caps() const { return has_equal_caps_; }
 
  private:
   template <class Cell>
@@ -37,6 +39,7 @@ class CutBall {
   BallMeasurer measurer_;
   CellView view_{};
   std::vector<std::uint32_t> cap_of_;
+  bool has_equal_caps_ = false;
 };
 
 // Returns whether the cell had room.
@@ -45,6 +48,7 @@ VDWMESH_INLINE bool CutBall::cut(Cell& cell, std::span<const Cap> caps,
                                  std::span<const std::uint32_t> order) {
   cell.reset();
   cap_of_.clear();
+  has_equal_caps_ = false;
   const Cap* last = nullptr;
   bool was_cut = true;
   for (const std::uint32_t i : order) {
@@ -57,7 +61,9 @@ VDWMESH_INLINE bool CutBall::cut(Cell& cell, std::span<const Cap> caps,
       break;
     }
     // Equal balls have the same cap, of which the second would cut through rounding errors.
-    was_cut = (last == nullptr || !same_cap(*last, cap)) && cell.cut(cap);
+    const bool is_equal = last != nullptr && same_cap(*last, cap);
+    has_equal_caps_ |= is_equal;
+    was_cut = !is_equal && cell.cut(cap);
     if (cell.empty()) break;
     if (was_cut) cap_of_.push_back(i);
     last = &cap;
