@@ -16,6 +16,8 @@
 #include "core/sum.hpp"
 #include "pockets/castp_sums.hpp"
 #include "pockets/cell_remainder.hpp"
+#include "pockets/clearance.hpp"
+#include "pockets/escape.hpp"
 #include "pockets/pocket_flow.hpp"
 
 namespace vdwmesh {
@@ -39,7 +41,8 @@ struct PocketParts {
   std::map<std::uint32_t, WideSum> ball_area;
   std::vector<std::uint32_t> balls;  // of the complex, some repeatedly
   std::vector<MouthFace> mouth_faces;
-  std::uint64_t tetrahedra = 0, sinks = 0, poked_faces = 0;
+  std::uint64_t tetrahedra = 0, poked_faces = 0;
+  std::vector<std::uint32_t> sinks;  // cells
   std::uint32_t deepest = kNoIndex;  // cell
   double depth_alpha = -std::numeric_limits<double>::infinity();
 };
@@ -69,6 +72,7 @@ class PocketMeasurer {
       pockets.push_back(pocket_of(parts));
       pockets.back().bottleneck_alpha = scaled(ways.alpha(parts.deepest), 2);
     }
+    if (options_.measures == PocketMeasures::exact) add_clearances(pockets);
     sort(pockets);
     return pockets;
   }
@@ -122,7 +126,7 @@ class PocketMeasurer {
 
   // Of sinks of one size, the lowest cell stays the deepest.
   void add_sink(PocketParts& parts, std::uint32_t c) const {
-    ++parts.sinks;
+    parts.sinks.push_back(c);
     const double alpha = cell_alpha(t_, c);
     if (!(alpha > parts.depth_alpha)) return;
     parts.depth_alpha = alpha;
@@ -142,17 +146,46 @@ class PocketMeasurer {
                                               : PocketKind::channel;
     pocket.lining = lining_of(parts);
     pocket.spheres = static_cast<std::uint64_t>(last - parts.balls.begin());
-    pocket.tetrahedra = parts.tetrahedra, pocket.sinks = parts.sinks;
+    pocket.tetrahedra = parts.tetrahedra, pocket.sinks = parts.sinks.size();
     pocket.poked_faces = parts.poked_faces;
-    pocket.depth_center = center_of(parts.deepest);
+    pocket.depth_center = pocket.clear_place = scaled(center_of(parts.deepest));
     pocket.depth_alpha = scaled(parts.depth_alpha, 2);
     return pocket;
   }
 
+  // The orthogonal centre, scaled.
   Vec3d center_of(std::uint32_t c) const {
     const auto& v = t_.cells[c];
-    return scaled(ball(v[0]).center +
-                  orthogonal_center({ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3])}));
+    return ball(v[0]).center + orthogonal_center({ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3])});
+  }
+
+  // `pockets` stand in the order of parts_.
+  void add_clearances(std::vector<Pocket>& pockets) const {
+    std::vector<ClearPlace> places(pockets.size());
+    for_each_block(pockets.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+      advance(options_.monitor, 0);
+      places[i] = clear_place(i);
+    });
+    const auto widths = escape_clearances(t_, places, options_.monitor);
+    for (std::size_t i = 0; i < pockets.size(); ++i) {
+      pockets[i].clear_place = scaled(places[i].place);
+      pockets[i].clearance = scaled(places[i].clearance, 1);
+      if (widths[i]) pockets[i].bottleneck_clearance = scaled(*widths[i], 1);
+    }
+  }
+
+  // The highest summit of the clearance that is in the pocket. A way up that leaves it stays at the
+  // sink.
+  ClearPlace clear_place(std::size_t pocket) const {
+    std::optional<ClearPlace> best;
+    for (const std::uint32_t c : parts_[pocket].sinks) {
+      const Vec3d sink = center_of(c);
+      ClearPlace found{sink, clearance_at(t_.balls, sink)};
+      const auto summit = climb_clearance(t_.balls, sink);
+      if (summit && flow_.pocket[cell_at(t_, summit->place, c)] == pocket) found = *summit;
+      if (!best || found.clearance > best->clearance) best = found;
+    }
+    return *best;
   }
 
   std::vector<LiningSphere> lining_of(const PocketParts& parts) const {
@@ -244,6 +277,11 @@ void check_finite(const std::vector<Pocket>& pockets) {
 }
 
 }  // namespace
+
+std::string_view kind_name(PocketKind kind) {
+  if (kind == PocketKind::enclosed) return "void";
+  return kind == PocketKind::pocket ? "pocket" : "channel";
+}
 
 PocketTable pockets(const SphereSet& spheres, const PocketOptions& options) {
   const PowerTriangulation t =

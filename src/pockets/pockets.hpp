@@ -15,6 +15,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/monitor.hpp"
@@ -28,6 +30,8 @@ enum class PocketKind {
   pocket,    // one mouth
   channel    // two mouths or more
 };
+// "void", "pocket", "channel".
+std::string_view kind_name(PocketKind kind);
 
 // A connected opening of a pocket: triangles of the triangulation between it and the outside. They
 // are not in the dual complex, and connected across edges that are not.
@@ -62,6 +66,14 @@ struct Pocket {
   // Å²: the largest size of which no face is smaller on the best way from there to infinity. Above
   // 0 for pockets, below for voids.
   double bottleneck_alpha;
+  // The same in distances, which power is not if radii differ. The place of greatest clearance that
+  // is found by climbing from the sinks, and its clearance (Å), the distance to the nearest sphere:
+  // a probe may be larger by that much. If climbing leaves the pocket, it is the sink itself.
+  Vec3d clear_place;
+  std::optional<double> clearance;  // with PocketMeasures::exact
+  // Å: the greatest clearance with a way from there to infinity, negative for voids. Equal to
+  // `clearance` if nothing traps the probe there; nothing if a ball would have to vanish.
+  std::optional<double> bottleneck_clearance;
 };
 
 struct PocketTable {
@@ -72,8 +84,8 @@ struct PocketTable {
   std::uint64_t face_ties, cell_ties;
 };
 
-// sums: volume, area, mouths and lining are those of CASTp's sums (lining areas NaN), which takes a
-// fraction of the time.
+// sums: `volume`, `area` and mouths are those of CASTp's sums, and lining and clearances are left
+// out, which takes a fraction of the time.
 enum class PocketMeasures { exact, sums };
 
 struct PocketOptions {

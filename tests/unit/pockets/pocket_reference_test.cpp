@@ -22,6 +22,7 @@ constexpr double kProbe = 1.4;  // Å
 // The table has 12 digits, and the largest figure is 4296 Å³; its volumes by slices agree with
 // closed forms to 1e-11.
 constexpr double kTableError = 1e-9;
+constexpr double kSamePlace = 1e-8;  // Å: places have nine decimals
 
 using Row = std::map<std::string, std::string>;
 
@@ -70,6 +71,11 @@ void compare(const Pocket& pocket, const Row& row) {
   EXPECT_EQ(faces, number(row, "mouth_faces"));
   expect_close(pocket.depth_alpha, row, "depth_alpha");
   expect_close(pocket.bottleneck_alpha, row, "bottleneck_alpha");
+  expect_close(*pocket.clearance, row, "depth_radius");
+  expect_close(*pocket.clearance + kProbe, row, "depth_probe");
+  expect_close(*pocket.bottleneck_clearance + kProbe, row, "bottleneck_radius");
+  const Vec3d place{number(row, "depth_x"), number(row, "depth_y"), number(row, "depth_z")};
+  EXPECT_LE(norm(pocket.clear_place - place), kSamePlace);
   expect_close(pocket.volume_sum, row, "volume_sum");
   expect_close(pocket.area_sum, row, "area_sum");
   expect_close(sum_of(pocket, &Mouth::area_sum), row, "mouth_area_sum");
