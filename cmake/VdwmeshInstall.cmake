@@ -1,8 +1,9 @@
 # Headers, libraries and the package that find_package(vdwmesh) finds. Only the headers listed here
 # are for users. They include none of the others: tests/sources checks that, and tests/consumer
 # compiles every one of them alone from an installed copy.
-set(vdwmesh_rooms core spheres surface structure extract refine complex measures creases excluded remesh interface batch mesh analysis render cuda
+set(vdwmesh_rooms core spheres surface structure extract refine complex measures pockets creases excluded remesh interface batch mesh analysis render cuda
     cuda_gl)
+    cuda cuda_gl)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas short_text)
 set(spheres_headers cell_list_frame sphere_batch sphere_set)
@@ -10,6 +11,7 @@ set(surface_headers indexed_mesh surface_patch vertex_labels)
 set(extract_headers batch_extractor extractor field grid sampled_field)
 set(refine_headers patch_refiner refiner)
 set(measures_headers exact_union frame_measures union_gradients union_measurer)
+set(pockets_headers pockets)
 set(creases_headers exact_mesher)
 set(excluded_headers excluded_comparison excluded_distances excluded_measurer excluded_measures excluded_mesher)
 set(interface_headers interfaces)
@@ -21,7 +23,7 @@ set(analysis_headers comparison convergence distance_measurer distances exposure
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
 set(cuda_headers backend backend_choice cuda_source on_device)
-foreach(room core spheres surface structure extract refine measures creases excluded remesh interface batch mesh analysis render cuda)
+foreach(room core spheres surface structure extract refine measures pockets creases excluded remesh interface batch mesh analysis render cuda)
   set(folder "${PROJECT_SOURCE_DIR}/src/${room}")
   if(room STREQUAL "cuda")
     set(folder "${PROJECT_SOURCE_DIR}/cuda")
