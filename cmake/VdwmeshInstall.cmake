@@ -3,7 +3,6 @@
 # compiles every one of them alone from an installed copy.
 set(vdwmesh_rooms core spheres surface structure extract refine complex measures pockets creases excluded remesh interface batch mesh analysis render cuda
     cuda_gl)
-    cuda cuda_gl)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas short_text)
 set(spheres_headers cell_list_frame sphere_batch sphere_set)
