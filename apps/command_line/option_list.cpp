@@ -14,7 +14,8 @@ namespace vdwmesh::apps {
 namespace {
 
 constexpr VerbSet kRanks = kRanksMesh | kRanksExact;
-constexpr VerbSet kOneInput = kMesh | kReport | kExact | kInterface | kCompare | kRender | kRanks;
+constexpr VerbSet kOneInput =
+    kMesh | kReport | kExact | kInterface | kCompare | kRender | kPockets | kRanks;
 constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
 constexpr VerbSet kStructures = kInputs | kBatch;
 constexpr VerbSet kOneSurface = kMesh | kReport | kRender;
@@ -23,7 +24,7 @@ constexpr VerbSet kGrids = kSurfaces | kRanksMesh;   // marching cubes
 constexpr VerbSet kDistances = kReport | kCompare | kStudy | kBatch;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
 constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kStudy;
-constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare;
+constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare | kPockets;
 
 constexpr const char* kFormats =
     ".pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz; - is standard input";
@@ -137,7 +138,10 @@ std::vector<Option> input_options(Draft& d) {
        otherwise("0; 1.4 with --surface sas or ses")},
       {"--probe", kInterface, one(d.measure.probe, probe),
        "radius of a probe of solvent, added to every radius", otherwise("1.4")},
-      {"--probe", kStructures & ~(kExcluded | kInterface), one(d.measure.probe, probe),
+      {"--probe", kPockets, one(d.measure.probe, probe),
+       "radius of a probe of solvent, added to every radius: its centre is in the pockets",
+       otherwise("1.4")},
+      {"--probe", kStructures & ~(kExcluded | kInterface | kPockets), one(d.measure.probe, probe),
        "radius of a probe of solvent, 1.4 for water: added to every radius", otherwise("0")},
       {"--model", kStructures, one(r.model, text("N", {"first", "all"})),
        "model number, first, or all models as one set", by_default("first")},
@@ -370,6 +374,10 @@ std::vector<Option> output_options(Draft& d) {
        one(o.output.group, named<AtomGroup>()),
        "rows of --per-atom; of residues with the relative areas of radius sets such as protor",
        by_default("atom")},
+      {"-o,--output", kPockets, one(o.output.csv, text("FILE"), Use::writes),
+       "table of the pockets: .csv; - is standard output", no_default(), "--csv"},
+      {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the same as -o",
+       no_default(), "-o"},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
        "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"}};
 }
@@ -385,9 +393,9 @@ constexpr std::string_view kUsual[] = {
 
 // Read, and not shown.
 constexpr std::string_view kUnseen[] = {
-    "--hetatm",    "--preset",     "--isovalue",   "--blobbiness",    "--crossings",
-    "--seed",      "--cgal-check", "--devices",    "--camera",        "--shading",
-    "--antialias", "--rows",       "--time-limit", "--page-triangles"};
+    "--csv",       "--hetatm",    "--preset",     "--isovalue",   "--blobbiness",
+    "--crossings", "--seed",      "--cgal-check", "--devices",    "--camera",
+    "--shading",   "--antialias", "--rows",       "--time-limit", "--page-triangles"};
 
 bool is_within(const Option& option, Extent extent) {
   const std::string name = option.short_name();

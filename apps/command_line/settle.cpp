@@ -264,8 +264,10 @@ void settle_study(Draft& d) {
 
 }  // namespace
 
-// The surface comes first, because the preset decides which atoms are taken.
+// The surface comes first, because the preset decides which atoms are taken. Pockets are those of
+// the accessible surface.
 void settle(Draft& d) {
+  if (d.verb == kPockets) d.measure.surface = SurfaceChoice::sas;
   settle_mesh(d);
   settle_exact(d);
   settle_input(d);

@@ -18,6 +18,7 @@
 #include "measures/exact_union.hpp"
 #include "options.hpp"
 #include "render/color_scale.hpp"
+#include "report/pocket_report.hpp"
 #include "steps/stopwatch.hpp"
 #include "structure/molecule.hpp"
 
@@ -173,6 +174,7 @@ struct Report {
   std::optional<std::vector<InterfaceReport>> interfaces;
   std::optional<ComparisonReport> comparison;
   std::optional<PictureReport> picture;
+  std::optional<PocketReport> pockets;
   Timing timing;
   std::vector<std::string> notes;     // for people: what was chosen or left out
   std::vector<std::string> warnings;  // for people: what may be wrong with the result

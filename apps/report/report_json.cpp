@@ -109,6 +109,7 @@ std::string to_json(const Report& report) {
   json("interfaces", report.interfaces);
   json("comparison", report.comparison);
   json("picture", report.picture);
+  json("pockets", report.pockets);
   json("timing", report.timing);
   json("notes", report.notes), json("warnings", report.warnings);
   return std::move(json).take();

@@ -406,9 +406,10 @@ std::string to_text(const Report& report) {
   if (report.exact && report.exact->certificate) certificate_text(out, *report.exact->certificate);
   if (report.exact) measured_text(out, report.input);
   if (report.excluded) excluded_text(out, *report.excluded);
+  if (report.pockets) text += pocket_text(*report.pockets);
   if (report.interfaces) {
     interfaces_text(out, *report.interfaces);
-  } else if (!report.excluded || report.mesh) {
+  } else if (!(report.excluded || report.pockets) || report.mesh) {
     table_text(out, report);
   }
   if (report.mesh) mesh_text(out, *report.mesh);

@@ -3,19 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "report/atom_names.hpp"
 #include "report/csv.hpp"
 
 namespace vdwmesh::apps {
-namespace {
-
-std::string name_of_atom(const Molecule& molecule, SphereId id) {
-  const Atom& atom = molecule.atoms[id];
-  if (atom.name.empty()) return fmt::format("{}", id + 1);
-  return fmt::format("{}/{}/{}", atom.chain.view(), atom.residue_number.view(), atom.name.view());
-}
-
-}  // namespace
-
 std::string void_table_csv(const Molecule& molecule, const std::vector<Void>& voids) {
   std::string csv = "void,volume,area,center_x,center_y,center_z,clearance,lining_atoms,lining\n";
   for (std::size_t i = 0; i < voids.size(); ++i) {

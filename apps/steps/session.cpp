@@ -44,7 +44,8 @@ void VerbSession::deliver_report(const OutputOptions& output) {
 void VerbSession::deliver_text(const OutputOptions& output,
                                const std::function<std::string()>& text) const {
   // "-" sends data to standard output, where the text would spoil it.
-  const bool has_data = output.json == "-" || output.per_atom == "-" || output.voids == "-";
+  const bool has_data =
+      output.json == "-" || output.per_atom == "-" || output.voids == "-" || output.csv == "-";
   if (machine.verbosity == Verbosity::quiet || has_data) return print_warnings(report.warnings);
   write_standard_output(text());
 }

@@ -22,6 +22,7 @@ const Verb kVerbs[] = {
     {kBatch, "batch",
      "figures of many structures, exact or of meshes too, a row of JSON or CSV for each",
      run_batch_verb},
+    {kPockets, "pockets", "pockets, channels and voids with their mouths, exactly", run_pockets},
     {kInfo, "info", "version, build, backends, devices", run_info}};
 
 }  // namespace

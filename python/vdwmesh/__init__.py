@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from vdwmesh._measure import Counts, Topology, Void
     from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh, mesh_many
     from vdwmesh._molecule import Molecule, radii_of, read, sample
+    from vdwmesh._pockets import Mouth, Pocket, pockets
     from vdwmesh.errors import (
         BackendUnavailable,
         CudaError,
@@ -77,7 +78,9 @@ __all__ = [
     "LimitExceeded",
     "Mesh",
     "Molecule",
+    "Mouth",
     "PATCH_KINDS",
+    "Pocket",
     "Quality",
     "Topology",
     "TrajectoryResult",
@@ -91,6 +94,7 @@ __all__ = [
     "mesh",
     "mesh_many",
     "meshes",
+    "pockets",
     "quality",
     "radii_of",
     "read",
@@ -113,6 +117,7 @@ _HOMES = {
     "_measure": "Counts Topology Void",
     "_mesh": "Mesh PATCH_KINDS marching_cubes mesh mesh_many",
     "_molecule": "Molecule radii_of read sample",
+    "_pockets": "Mouth Pocket pockets",
     "errors": "BackendUnavailable CudaError Error FileFormatError FileMissing "
     "InternalError InvalidInput LimitExceeded",
 }

@@ -21,7 +21,7 @@ DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
 
 
 # Options that help does not show, because measurements of the authors alone turn them.
-UNSEEN = {"--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
+UNSEEN = {"--csv", "--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
           "--camera", "--shading", "--antialias", "--rows", "--time-limit", "--page-triangles"}  # fmt: skip
 
 

@@ -18,7 +18,7 @@ import program
 from program import NO_BACKEND, PROGRAM, UNSEEN, ProgramTest, missing, run
 
 TABLE = pathlib.Path(__file__).with_name("option_pairs.csv")
-VERBS = ("mesh", "report", "exact", "interface", "compare", "render", "study", "batch", "info")
+VERBS = ("mesh", "report", "exact", "interface", "compare", "render", "study", "batch", "pockets", "info")
 BASE = {
     "mesh": "in.pdb -o out.ply",
     "report": "in.pdb --json figures.json",
@@ -28,10 +28,11 @@ BASE = {
     "render": "in.pdb -o out.png --size 240x180",
     "study": "in.pdb -o out --spacing 1 --field vdw --edge-length 1 --subdivide 0",
     "batch": "in.pdb",
+    "pockets": "cage.pdb --json figures.json",
     "info": "",
 }
 # Of a report: the figures, without what echoes the command line and what a clock or a machine says.
-FIGURES = ("mesh", "exact", "excluded", "interfaces", "comparison", "picture", "structures", "inputs")
+FIGURES = ("mesh", "exact", "excluded", "interfaces", "comparison", "picture", "pockets", "structures", "inputs")
 OF_THE_MACHINE = re.compile(r"seconds|time|path|bytes|memory|device|rss|wall|cpu|parameters|floor|copy")
 
 MODEL = """\
@@ -55,6 +56,21 @@ REMARK 350   BIOMT1   2 -1.000000  0.000000  0.000000        2.00000
 REMARK 350   BIOMT2   2  0.000000 -1.000000  0.000000       -4.00000
 REMARK 350   BIOMT3   2  0.000000  0.000000  1.000000        0.00000
 """ + "".join(f"MODEL        {k}\n{MODEL.format(x)}ENDMDL\n" for k, x in ((1, 0.0), (2, -0.4))) + "END\n"  # fmt: skip
+# Corners of a cube, whose inside is a pocket; what an option leaves out or moves changes it.
+CAGE_ATOMS = """\
+ATOM      1  CA  ALA A   1      {0:6.3f}   0.000   0.000  1.00  0.00           C
+ATOM      2  CB  ALA A   1       4.600   0.000   0.000  1.00  0.00           C
+ATOM      3  O  AALA A   1       0.000   4.600   0.000  0.60  0.00           O
+ATOM      4  O  BALA A   1       0.200   4.700   0.000  0.40  0.00           O
+ATOM      5  C   ALA A   1       4.600   4.600   0.000  1.00  0.00           C
+ATOM      6  N   ALA A   1       0.000   0.000   4.600  1.00  0.00           N
+ATOM      7  HA  ALA A   1       4.600   0.000   4.600  1.00  0.00           H
+ATOM      8  C   GLY B   2       0.000   4.600   4.600  1.00  0.00           C
+HETATM    9  C1  LIG A   3       4.600   4.600   4.600  1.00  0.00           C
+HETATM   10  O   HOH A   4       2.300   2.300   2.300  1.00  0.00           O
+"""
+CAGE = STRUCTURE[: STRUCTURE.index("MODEL ")] + "".join(
+    f"MODEL        {k}\n{CAGE_ATOMS.format(x)}ENDMDL\n" for k, x in ((1, 0.0), (2, -0.2))) + "END\n"  # fmt: skip
 OCTAHEDRON = "OFF\n6 8 0\n" + "".join(
     f"{x} {y} {z}\n" for x, y, z in ((5, 0, 0), (-5, 0, 0), (0, 5, 0), (0, -5, 0), (0, 0, 5), (0, 0, -5))
 ) + "".join(f"3 {a} {b} {c}\n" for a, b, c in ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4),
@@ -123,6 +139,7 @@ class Made:
     def fill(folder):
         (folder / "nothing").mkdir()
         (folder / "in.pdb").write_text(STRUCTURE)
+        (folder / "cage.pdb").write_text(CAGE)
         (folder / "sphere.off").write_text(OCTAHEDRON)
         (folder / "notes.jsonl").write_text("no row\n")
         (folder / "lengths.csv").write_text("edge_length\n" + "0.9\n" * 7)

@@ -54,6 +54,8 @@ TEST(PocketClosedForms, CubeHasAMouthInEachFace) {
   EXPECT_NEAR(pocket.area_sum, area, kRounding);
   EXPECT_NEAR(pocket.depth_alpha, 3 * a * a / 4 - r * r, kRounding);
   EXPECT_NEAR(pocket.bottleneck_alpha, a * a / 2 - r * r, kRounding);
+  EXPECT_NEAR(pocket.clearance.value(), std::sqrt(3.0) * a / 2 - r, kRounding);
+  EXPECT_NEAR(pocket.bottleneck_clearance.value(), a / std::sqrt(2.0) - r, kRounding);
   ASSERT_EQ(pocket.mouths.size(), 6u);
   for (const Mouth& mouth : pocket.mouths) {
     EXPECT_EQ(mouth.faces, 2u);
@@ -107,6 +109,7 @@ TEST(PocketClosedForms, IcosahedronClosesAndOpensByAFace) {
   const Pocket closed = pockets(SphereSet(balls)).pockets.at(0);
   EXPECT_EQ(closed.kind, PocketKind::enclosed);
   EXPECT_NEAR(closed.bottleneck_alpha, s * s / 3 - r * r, kRounding);
+  EXPECT_NEAR(closed.bottleneck_clearance.value(), s / std::sqrt(3.0) - r, kRounding);
   // The face in the octant x, y, z > 0.
   for (Sphere& b : balls) {
     if (b.center.x >= 0 && b.center.y >= 0 && b.center.z >= 0) b.radius = smaller;
@@ -115,6 +118,7 @@ TEST(PocketClosedForms, IcosahedronClosesAndOpensByAFace) {
   EXPECT_EQ(open.kind, PocketKind::pocket);
   EXPECT_EQ(open.mouths.at(0).faces, 1u);
   EXPECT_NEAR(open.bottleneck_alpha, s * s / 3 - smaller * smaller, kRounding);
+  EXPECT_NEAR(open.bottleneck_clearance.value(), s / std::sqrt(3.0) - smaller, kRounding);
 }
 
 // Sets without room: too few balls, and balls in a plane or on a line.

@@ -1,0 +1,93 @@
+// Makes rows of pockets, and lays them out for people.
+#include "report/pocket_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "report/atom_names.hpp"
+#include "report/csv.hpp"
+#include "report/report_text_parts.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+// "4HHB" of "folder/4HHB.cif.gz".
+std::string set_name(const std::string& path) {
+  std::filesystem::path name = std::filesystem::path(path).filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
+
+Cells cells_of(const PocketRow& row) {
+  Cells cells(csv_number);
+  describe(cells, row);
+  return cells;
+}
+
+std::uint64_t count_of(const PocketReport& report, PocketKind kind) {
+  return static_cast<std::uint64_t>(std::ranges::count(report.pockets, kind, &PocketRow::kind));
+}
+
+}  // namespace
+
+PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe) {
+  PocketReport report{{}, table.empty_tetrahedra, table.face_ties, table.cell_ties};
+  for (const Pocket& pocket : table.pockets) {
+    std::string lining;
+    for (const LiningSphere& sphere : pocket.lining) {
+      if (!lining.empty()) lining += ' ';
+      lining += name_of_atom(molecule, sphere.id);
+    }
+    PocketRow& row = report.pockets.emplace_back();
+    static_cast<Pocket&>(row) = pocket;
+    row.set = set_name(molecule.path);
+    row.probe = probe;
+    row.rank = report.pockets.size();
+    row.lining_text = lining;
+  }
+  return report;
+}
+
+std::string pocket_csv(const PocketReport& report) {
+  std::vector<Cells> rows;
+  for (const PocketRow& row : report.pockets) rows.push_back(cells_of(row));
+  return csv_table(cells_of({}).names(), rows);
+}
+
+// The largest rows; the table has all. "fits" is the largest probe in the pocket, "exit"
+// the largest that leaves it.
+std::string pocket_text(const PocketReport& report) {
+  constexpr std::size_t kShown = 20;
+  std::string text;
+  const Text out = std::back_inserter(text);
+  line(out, "Pockets",
+       fmt::format("{}: {} with one mouth, {} channels, {} voids; ties: {}", report.pockets.size(),
+                   count_of(report, PocketKind::pocket), count_of(report, PocketKind::channel),
+                   count_of(report, PocketKind::enclosed), report.face_ties));
+  if (report.pockets.empty()) return text;
+  fmt::format_to(out, "\n{:>6}  {:<8}{:>12}{:>12}{:>8}{:>12}{:>8}{:>8}{:>7}  {}\n", "", "kind",
+                 "volume Å³", "area Å²", "mouths", "open Å²", "fits Å", "exit Å", "atoms",
+                 "deepest place");
+  for (const PocketRow& p : report.pockets) {
+    if (p.rank > kShown) break;
+    const auto radius = [&](std::optional<double> clearance) {
+      return clearance ? fmt::format("{:.3f}", *clearance + p.probe) : "–";
+    };
+    fmt::format_to(out,
+                   "{:>6}  {:<8}{:>12.3f}{:>12.3f}{:>8}{:>12.3f}{:>8}{:>8}{:>7}  {:.2f} {:.2f} "
+                   "{:.2f}\n",
+                   p.rank, kind_name(p.kind), p.volume, p.area, p.mouths.size(),
+                   sum_over_mouths(p, &Mouth::area), radius(p.clearance),
+                   radius(p.bottleneck_clearance), p.spheres, p.clear_place.x, p.clear_place.y,
+                   p.clear_place.z);
+  }
+  if (report.pockets.size() > kShown) {
+    fmt::format_to(out, "{:>6}  {} more; -o FILE.csv has all\n", "",
+                   report.pockets.size() - kShown);
+  }
+  return text;
+}
+
+}  // namespace vdwmesh::apps

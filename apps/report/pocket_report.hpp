@@ -1,0 +1,85 @@
+// What the report says of pockets: text, JSON, and a table.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pockets/pockets.hpp"
+#include "report/describe.hpp"
+#include "structure/molecule.hpp"
+
+namespace vdwmesh::apps {
+
+// A pocket as a row: with its place in the table and the names of its atoms.
+struct PocketRow : Pocket {
+  std::string set;          // what was read, without folder and extension
+  double probe = 0;         // Å
+  std::uint64_t rank = 0;   // from 1, by falling volume
+  std::string lining_text;  // names of lining atoms, with blanks between
+};
+
+struct PocketReport {
+  std::vector<PocketRow> pockets;
+  std::uint64_t empty_tetrahedra = 0, face_ties = 0, cell_ties = 0;  // as in PocketTable
+};
+
+PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe);
+
+std::string pocket_text(const PocketReport& report);
+// One row per pocket, the largest first.
+std::string pocket_csv(const PocketReport& report);
+
+template <class A>
+void describe(A& a, const Mouth& mouth) {
+  a("area", mouth.area), a("rim", mouth.rim);
+  a("area_sum", mouth.area_sum), a("rim_sum", mouth.rim_sum);
+  a("center", std::vector{mouth.center.x, mouth.center.y, mouth.center.z});
+  a("faces", mouth.faces);
+}
+
+// The sum of a figure over all mouths.
+template <class Member>
+Member sum_over_mouths(const Pocket& pocket, Member Mouth::*member) {
+  Member sum = 0;
+  for (const Mouth& mouth : pocket.mouths) sum += mouth.*member;
+  return sum;
+}
+
+// One description makes the columns of the table and the members of the JSON, which alone has
+// lists.
+template <class A>
+void describe(A& a, const PocketRow& p) {
+  a("set", p.set), a("probe", p.probe), a("rank", p.rank), a("kind", kind_name(p.kind));
+  a("volume", p.volume), a("area", p.area), a("mouths", p.mouths.size());
+  a("mouth_area", sum_over_mouths(p, &Mouth::area));
+  a("mouth_rim", sum_over_mouths(p, &Mouth::rim));
+  a("atoms", p.spheres), a("tetrahedra", p.tetrahedra), a("sinks", p.sinks);
+  const auto grown = [&](std::optional<double> clearance) {
+    return clearance ? std::optional(*clearance + p.probe) : std::nullopt;
+  };
+  a("depth_alpha", p.depth_alpha), a("depth_probe", grown(p.clearance));
+  a("depth_radius", p.clearance), a("bottleneck_alpha", p.bottleneck_alpha);
+  a("bottleneck_radius", grown(p.bottleneck_clearance));
+  a("depth_x", p.clear_place.x), a("depth_y", p.clear_place.y), a("depth_z", p.clear_place.z);
+  // Room of the excluded surface, by pocket, is not computed.
+  a("ms_volume", std::optional<double>()), a("ms_area", std::optional<double>());
+  a("mouth_faces", sum_over_mouths(p, &Mouth::faces)), a("poked_faces", p.poked_faces);
+  a("volume_sum", p.volume_sum), a("area_sum", p.area_sum);
+  a("mouth_area_sum", sum_over_mouths(p, &Mouth::area_sum));
+  a("mouth_rim_sum", sum_over_mouths(p, &Mouth::rim_sum));
+  a("lining", p.lining_text);
+  std::vector<double> areas;
+  for (const LiningSphere& s : p.lining) areas.push_back(s.area);
+  a("lining_areas", areas), a("mouth_table", p.mouths);
+}
+
+template <class A>
+void describe(A& a, const PocketReport& report) {
+  a("empty_tetrahedra", report.empty_tetrahedra);
+  a("face_ties", report.face_ties), a("cell_ties", report.cell_ties);
+  a("pockets", report.pockets);
+}
+
+}  // namespace vdwmesh::apps
