@@ -32,6 +32,8 @@ constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfB
 // Of the mesher of the excluded surface: per Å² those that its many short curves take. Edges of 3 Å
 // gave 14 to 30.4, the most of a capsid without hydrogens.
 constexpr double kTrianglesOfCurves = 32;
+// remesh_excluded() makes the exact mesh with edges of this share.
+constexpr double kExactShareOfRemeshed = 0.9;
 // By what factor a bound on the angles adds triangles, at most.
 constexpr double kMoreForAngles = 1.3;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
@@ -41,7 +43,9 @@ constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays 
 MeshSize first_level(const MemoryDemand& d) {
   const SurfaceOptions& surface = *d.surface;
   const bool exact = surface.mesher == Mesher::exact;
-  const double step = exact ? surface.edge_length.value() : surface.grid.spacing;
+  double step = exact ? surface.edge_length.value() : surface.grid.spacing;
+  // Such a mesh is made of one along the curves, which has shorter edges.
+  if (surface.remeshed) step = std::min(kExactShareOfRemeshed * step, kLongestAlongCurves);
   const double by_area = (exact ? kTrianglesPerPatch : kTrianglesPerCell) * d.area / (step * step);
   const double of_arcs =
       surface.kind == ExactSurface::excluded

@@ -181,6 +181,8 @@ std::vector<Option> surface_options(Draft& d) {
                      : "exact; marching-cubes with --spacing, --padding or a blended --field")},
       {"--edge-length", kSurfaces | kRanksMesh, one(m.edge_length, length("0.35")),
        "length of the mesh's edges; marching cubes take --spacing instead", otherwise("0.35")},
+      {"--density", kOneSurface, one(m.density, number("per Å²", Range::positive, "2")),
+       "triangles of --surface ses: any number, few good ones or many", no_default()},
       {"--relative-edge", kSurfaces | kRanksMesh,
        one(m.grading.relative, number("N", Range::positive, "0.2")),
        "edge length as a share of the radius; beside --edge-length the shorter one holds",
@@ -393,9 +395,9 @@ constexpr std::string_view kUsual[] = {
 
 // Read, and not shown.
 constexpr std::string_view kUnseen[] = {
-    "--csv",       "--hetatm",    "--preset",     "--isovalue",   "--blobbiness",
-    "--crossings", "--seed",      "--cgal-check", "--devices",    "--camera",
-    "--shading",   "--antialias", "--rows",       "--time-limit", "--page-triangles"};
+    "--csv",  "--hetatm",     "--preset",         "--isovalue",    "--blobbiness", "--crossings",
+    "--seed", "--cgal-check", "--devices",        "--camera",      "--shading",    "--antialias",
+    "--rows", "--time-limit", "--page-triangles", "--edge-lengths"};
 
 bool is_within(const Option& option, Extent extent) {
   const std::string name = option.short_name();

@@ -68,6 +68,16 @@ void describe(A& a, const PatchCount& count) {
 }
 
 template <class A>
+void describe(A& a, const RemeshStats& stats) {
+  a("exact_triangles", stats.exact_triangles);
+  a("crease_edges", stats.crease_edges), a("corners", stats.corners);
+  a("joined_features", stats.joined);
+  a("below_20_degrees", stats.below_20_degrees);
+  a("below_20_degrees_at_features", stats.below_20_at_features);
+  a("runs", stats.runs);
+}
+
+template <class A>
 void describe(A& a, const PatchReport& patches) {
   a("contact", patches.contact), a("saddle", patches.saddle), a("concave", patches.concave);
 }
@@ -92,7 +102,7 @@ void describe(A& a, const MeshReport& mesh) {
   a("newton", mesh.projection.empty() ? std::nullopt : std::optional(summarize(mesh.projection)));
   a("levels", mesh.levels);
   a("arrangement", mesh.arrangement);
-  a("patches", mesh.patches);
+  a("patches", mesh.patches), a("remeshing", mesh.remeshing);
   a("extrapolated_area", mesh.extrapolated_area);
   a("extrapolated_volume", mesh.extrapolated_volume);
   a("cgal", mesh.cgal);

@@ -17,6 +17,7 @@
 #include "excluded/excluded_measures.hpp"
 #include "measures/exact_union.hpp"
 #include "options.hpp"
+#include "remesh/surface_remesher.hpp"
 #include "render/color_scale.hpp"
 #include "report/pocket_report.hpp"
 #include "steps/stopwatch.hpp"
@@ -68,6 +69,7 @@ struct MeshReport : MeshExamination {
   std::optional<std::uint64_t> grid_clipped, clamped_vertices;  // of our own extraction only
   std::optional<ExactMeshStats> arrangement;                    // of the crease-exact mesher
   std::optional<PatchReport> patches;                           // of the excluded surface
+  std::optional<RemeshStats> remeshing;                         // if it does not follow its curves
   std::optional<std::uint64_t> self_intersections;
   std::vector<ProjectionStats> projection;  // empty: no refinement ran
   std::vector<LevelReport> levels;          // empty: no refinement ran, or not asked for

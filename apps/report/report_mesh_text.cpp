@@ -49,6 +49,14 @@ void levels_text(Text out, const std::vector<LevelReport>& levels) {
   }
 }
 
+std::string remeshing_text(const RemeshStats& stats) {
+  return fmt::format(
+      "from {} triangles along the curves; {} joined of {} corners and crease vertices; {} angles "
+      "below 20°, {} of them at creases and corners",
+      stats.exact_triangles, stats.joined, stats.corners + stats.crease_edges,
+      stats.below_20_degrees, stats.below_20_at_features);
+}
+
 std::string patches_text(const PatchReport& patches) {
   const auto text = [](const PatchCount& count, const char* kind) {
     return fmt::format("{} {} ({} triangles, {:.3f} Å²)", count.patches, kind, count.triangles,
@@ -147,6 +155,7 @@ void mesh_text(Text out, const MeshReport& mesh) {
   if (mesh.grid_clipped) counts += fmt::format(", {} cells cut by the grid", *mesh.grid_clipped);
   line(out, "", counts);
   if (mesh.patches) line(out, "Patches", patches_text(*mesh.patches));
+  if (mesh.remeshing) line(out, "Remeshing", remeshing_text(*mesh.remeshing));
   if (!mesh.projection.empty()) {
     const NewtonSummary newton = summarize(mesh.projection);
     line(out, "Projection",

@@ -106,9 +106,14 @@ std::string edge_text(const SurfaceOptions& surface) {
 std::string surface_text(const ParametersReport& parameters) {
   const FieldOptions& field = parameters.surface.field;
   if (parameters.surface.kind == ExactSurface::excluded) {
-    return "solvent-excluded surface along the curves between its patches, " +
-           edge_text(parameters.surface) + "; " +
-           counted(static_cast<std::uint64_t>(parameters.surface.subdivisions), "subdivision");
+    const SurfaceOptions& surface = parameters.surface;
+    if (surface.remeshed) {
+      return "solvent-excluded surface across the curves between its patches, " +
+             (surface.density ? fmt::format("{} triangles per Å²", *surface.density)
+                              : edge_text(surface));
+    }
+    return "solvent-excluded surface along the curves between its patches, " + edge_text(surface) +
+           "; " + counted(static_cast<std::uint64_t>(surface.subdivisions), "subdivision");
   }
   if (parameters.surface.mesher == Mesher::exact) {
     return fmt::format("union of the spheres, crease-exact, {}; {}", edge_text(parameters.surface),

@@ -13,6 +13,7 @@
 #include "excluded/excluded_measures.hpp"
 #include "excluded/excluded_mesher.hpp"
 #include "refine/patch_refiner.hpp"
+#include "remesh/surface_remesher.hpp"
 #include "render/crease_split.hpp"
 #include "report/output.hpp"
 #include "report/per_atom.hpp"
@@ -69,6 +70,38 @@ void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per
   session.end_stage(&Timing::exact);
 }
 
+namespace {
+
+// Necks, cavities and corners need some triangles each, whatever density is asked for.
+void note_density(const RemeshedSurface& made, const SurfaceOptions& surface, Report& report) {
+  constexpr double kFarAbove = 1.5;
+  const double has = static_cast<double>(made.mesh.triangle_count()) / measures(made.mesh).area;
+  if (!surface.density || has <= kFarAbove * *surface.density) return;
+  report.note(
+      "the mesh has {:.1f} triangles per Å², not {}: necks, cavities, creases and corners "
+      "need so many",
+      has, *surface.density);
+}
+
+// The mesh that does not follow the curves, with an account of it in the report.
+PatchedMesh make_remeshed(const SphereSet& atoms, double probe, const SurfaceOptions& surface,
+                          Session& session) {
+  RemeshedSurface made = remesh_excluded(atoms, {.probe = probe,
+                                                 .edge_length = surface.edge_length.value(),
+                                                 .memory_limit = session.machine.memory_limit,
+                                                 .monitor = session.monitor});
+  Report& report = session.report;
+  report.timing.extract = made.stats.exact_seconds;
+  report.timing.refine = made.stats.seconds - made.stats.exact_seconds;
+  if (!report.mesh) report.mesh.emplace();
+  report.mesh->remeshing = made.stats;
+  note_density(made, surface, report);
+  session.end_stage(&Timing::mesh);
+  return std::move(static_cast<PatchedMesh&>(made));
+}
+
+}  // namespace
+
 PatchedMesh make_excluded_mesh(const Molecule& molecule, double probe,
                                const SurfaceOptions& surface, Session& session,
                                const LevelObserver& on_level) {
@@ -81,6 +114,7 @@ PatchedMesh make_excluded_mesh(const Molecule& molecule, double probe,
   options.monitor = session.monitor;
   report.parameters = describe_parameters(surface, std::nullopt, options.memory_limit);
   const SphereSet atoms = to_spheres(molecule, 0);
+  if (surface.remeshed) return make_remeshed(atoms, probe, surface, session);
   ExcludedMesh made = mesh_excluded(atoms, options);
   report.timing.extract = made.stats.seconds;
   PatchedMesh mesh = std::move(static_cast<PatchedMesh&>(made));

@@ -17,6 +17,7 @@
 #include "mesh/mesh_io.hpp"
 #include "mesh_handle.hpp"
 #include "refine/patch_refiner.hpp"
+#include "remesh/surface_remesher.hpp"
 #include "request/memory_limit.hpp"
 #include "requests.hpp"
 #include "topics.hpp"
@@ -165,10 +166,17 @@ CudaMesh march_on_device(const DeviceFrames& balls, const MeshCall& request, Mon
 PatchedMesh mesh_excluded_surface(const SphereSet& atoms, const MeshCall& request,
                                   Monitor& monitor) {
   const std::uint64_t limit = default_memory_limit();
-  PatchedMesh mesh = mesh_excluded(atoms, {.probe = request.probe,
-                                           .edge_length = request.surface.edge_length.value_or(0),
-                                           .memory_limit = limit,
-                                           .monitor = &monitor});
+  const double edge_length = request.surface.edge_length.value_or(0);
+  PatchedMesh mesh =
+      request.surface.remeshed
+          ? static_cast<PatchedMesh>(remesh_excluded(atoms, {.probe = request.probe,
+                                                             .edge_length = edge_length,
+                                                             .memory_limit = limit,
+                                                             .monitor = &monitor}))
+          : mesh_excluded(atoms, {.probe = request.probe,
+                                  .edge_length = edge_length,
+                                  .memory_limit = limit,
+                                  .monitor = &monitor});
   if (request.surface.subdivisions > 0) {
     mesh = std::move(refine_patches(atoms, std::move(mesh),
                                     {.subdivisions = request.surface.subdivisions,

@@ -193,6 +193,7 @@ def mesh(
     field: str = "vdw",
     spacing: float | None = None,
     edge_length: float | ArrayLike | None = None,
+    density: float | None = None,
     min_angle: float | None = None,
     subdivide: int = 0,
     crossings: str | None = None,
@@ -225,6 +226,10 @@ def mesh(
     edge_length : float or array_like, shape (N,), optional
         Of the exact mesher, Å, 0.35 by default, for all atoms or by atom; edges are shorter at narrow features, and where
         atoms meet the shorter length holds. ``0.2 * radii`` gives every atom as many triangles.
+    density : float, optional
+        Of the "ses" surface, triangles per Å²: any number, in place of an edge length. The mesh then goes across
+        the curves between patches, where the surface is smooth, and has fewer and better triangles; so it does
+        for an edge length above 0.7. Vertices lie on the exact surface, and the topology is the exact one.
     min_angle : float, optional
         Of the exact mesher, degrees, at most 25: triangles with a smaller angle are made better, but near
         corners where two creases of an atom enclose less than 60°. At 20° none is left elsewhere on
@@ -272,6 +277,7 @@ def mesh(
         "field": field,
         "spacing": _positive("spacing", spacing),
         **_edge_lengths(edge_length, len(sizes)),
+        "density": _positive("density", density),
         "min_angle": _positive("min_angle", min_angle),
         "subdivide": int(subdivide),
         "crossings": crossings,

@@ -4,6 +4,7 @@
 #include "request/mesh_request.hpp"
 
 #include "creases/exact_mesher.hpp"
+#include "remesh/surface_remesher.hpp"
 #include "request/names.hpp"
 
 namespace vdwmesh {
@@ -73,6 +74,29 @@ void check_excluded(const MeshRequest& r) {
   refuse_if(!other.empty(), "{}: does not go with {}; leave one of them out", other, excluded);
   refuse_if(!r.edge_lengths.empty(), "{}: {} has one for all atoms",
             option_name(r.door, "edge-length"), excluded);
+}
+
+// A density is of the excluded surface, and in place of an edge length and of a subdivision.
+void check_density(const MeshRequest& r) {
+  if (!r.density) return;
+  const std::string density = option_name(r.door, "density");
+  refuse_if(r.surface != SurfaceChoice::ses, "{}: is of {}; other surfaces take {}", density,
+            option_with(r.door, "surface", "ses"), option_name(r.door, "edge-length"));
+  refuse_if(r.edge_length.has_value(), "{}: {} says the same in Å; leave one of them out", density,
+            option_name(r.door, "edge-length"));
+  refuse_if(r.subdivisions.value_or(0) > 0,
+            "{}: does not go with {}; four times the density is one "
+            "subdivision",
+            density, option_name(r.door, "subdivide"));
+}
+
+// Which of its two meshes the excluded surface gets.
+void settle_density(SurfaceOptions& s, const MeshRequest& r) {
+  if (s.kind != ExactSurface::excluded) return;
+  s.density = r.density;
+  if (s.density) s.edge_length = edge_length_of_density(*s.density);
+  s.remeshed =
+      s.density || (s.edge_length.value_or(0) > kLongestAlongCurves && s.subdivisions == 0);
 }
 
 // The crease-exact mesher has neither field nor grid.
@@ -166,6 +190,7 @@ SurfaceOptions settle(const MeshRequest& r) {
   SurfaceOptions s;
   s.kind = surface_of(r.surface);
   if (s.kind == ExactSurface::excluded) check_excluded(r);
+  check_density(r);
   s.field = r.field;
   s.field.preset = r.preset.value_or(FieldPreset::radius_aware);
   check_field(s.field, r.door);
@@ -176,6 +201,7 @@ SurfaceOptions settle(const MeshRequest& r) {
   s.grid = preset_grid(s.field.preset, r.spacing, r.padding);
   const bool is_exact = s.mesher == Mesher::exact;
   s.subdivisions = r.subdivisions.value_or(is_exact ? 0 : r.subdivisions_of_cubes);
+  settle_density(s, r);
   settle_projection(s, r);
   settle_crossings(s, r);
   return s;

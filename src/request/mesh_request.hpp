@@ -14,6 +14,8 @@
 namespace vdwmesh {
 
 inline constexpr double kUsualEdgeLength = 0.35;  // Å, of Mesher::exact
+// Å. With longer edges the mesh along the curves of the excluded surface gets next to no coarser.
+inline constexpr double kLongestAlongCurves = 0.7;
 
 // Edge lengths of Mesher::exact that differ from atom to atom.
 struct EdgeGrading {
@@ -31,6 +33,7 @@ struct MeshRequest {
   std::optional<Mesher> mesher;
   Mesher usual_mesher = Mesher::exact;  // where nothing that is asked for tells
   std::optional<double> edge_length;    // Å
+  std::optional<double> density;        // triangles per Å², of the excluded surface
   EdgeGrading grading;
   std::vector<double> edge_lengths;        // Å, by atom
   std::optional<double> min_angle;         // degrees
@@ -52,6 +55,10 @@ struct SurfaceOptions {
   std::string mesher_reason;
   // Å, of Mesher::exact; empty: the grading gives all lengths.
   std::optional<double> edge_length;
+  std::optional<double> density;  // that was asked for, triangles per Å²; it gives the edge length
+  // The mesh of the excluded surface does not follow the curves between its patches, so it can have
+  // fewer triangles: if a density is asked for, or edges longer than kLongestAlongCurves.
+  bool remeshed = false;
   EdgeGrading grading;
   std::vector<double> edge_lengths;  // Å, by sphere, once the structure is read; empty: all alike
   std::optional<double> min_angle;   // degrees, of Mesher::exact
