@@ -22,6 +22,11 @@ class BoundedList {
     }
   }
   VDWMESH_HD void clear() { size_ = 0; }
+  // Items that are added have any value.
+  VDWMESH_HD void resize(std::size_t size) {
+    is_cut_off_ = is_cut_off_ || size > kMost;
+    size_ = size > kMost ? kMost : static_cast<int>(size);
+  }
   VDWMESH_HD bool is_cut_off() const { return is_cut_off_; }
   VDWMESH_HD bool empty() const { return size_ == 0; }
   VDWMESH_HD std::size_t size() const { return static_cast<std::size_t>(size_); }
@@ -54,11 +59,13 @@ struct BoundedLists {
 
   template <class Item, int kMost, class Less>
   VDWMESH_HD static void sort(BoundedList<Item, kMost>& list, const Less& less) {
-    for (std::size_t i = 1; i < list.size(); ++i) {
-      const Item item = list[i];
+    Item* const items = list.begin();
+    const std::size_t size = list.size();
+    for (std::size_t i = 1; i < size; ++i) {
+      const Item item = items[i];
       std::size_t place = i;
-      for (; place > 0 && less(item, list[place - 1]); --place) list[place] = list[place - 1];
-      list[place] = item;
+      for (; place > 0 && less(item, items[place - 1]); --place) items[place] = items[place - 1];
+      items[place] = item;
     }
   }
 };

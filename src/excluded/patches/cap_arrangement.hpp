@@ -180,8 +180,9 @@ VDWMESH_HD void narrow_by_order(const Covers& covered, double& margin) {
     places.push_back({c.to.turn, c.to.slide});
   }
   Lists::sort(places, [](const TurnAndSlide& a, const TurnAndSlide& b) { return a.turn < b.turn; });
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const bool last = i + 1 == places.size();
+  const std::size_t size = places.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    const bool last = i + 1 == size;
     const TurnAndSlide &a = places[i], &b = places[last ? 0 : i + 1];
     const T ahead = last ? T(b.turn + T(4)) : b.turn;
     const double here = to_double(T(ahead - a.turn)) / (a.slide + b.slide);

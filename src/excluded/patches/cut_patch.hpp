@@ -146,12 +146,13 @@ template <class Lists, class ClipOthers>
 VDWMESH_HD double flat_faces(const CutPatch<Lists>& patch, const ClipOthers& clip_others) {
   constexpr double kSame = 1e-15;
   double sum = 0;
-  for (std::uint32_t c = 0; c < patch.cap_count(); ++c) {
+  const std::uint32_t count = patch.cap_count();
+  for (std::uint32_t c = 0; c < count; ++c) {
     const PatchCap& cap = patch.caps[c];
     CapFace<Lists> face(cap.axis, cap.cosine);
     clip_others(face);
     for (const PatchSide& side : patch.sides) face.clip(-1.0 * side.inward, 0);
-    for (std::uint32_t j = 0; j < patch.cap_count() && !face.is_empty(); ++j) {
+    for (std::uint32_t j = 0; j < count && !face.is_empty(); ++j) {
       if (j == c) continue;
       const Vec3d normal = patch.caps[j].axis - cap.axis;
       const double height = patch.caps[j].cosine - cap.cosine;

@@ -45,7 +45,8 @@ class SegmentFinder {
   VDWMESH_HD void cut_circle(std::uint32_t c) {
     const CapCircle<T>& circle = circles_.caps[c];
     covered_.clear();
-    for (std::uint32_t j = 0; j < caps(); ++j) {
+    const std::uint32_t count = caps();
+    for (std::uint32_t j = 0; j < count; ++j) {
       if (j == c) continue;
       CoveredArc<T> part;
       const Overlap overlap = covered_part(circle, circles_.caps[j], j, part, margin_);
@@ -94,7 +95,8 @@ class SegmentFinder {
   // was cut there.
   VDWMESH_HD double polygon_depth(std::uint32_t c, const Vector<T>& point) const {
     double least = 1;
-    for (std::size_t s = 0; s < patch_.sides.size(); ++s) {
+    const std::size_t count = patch_.sides.size();
+    for (std::size_t s = 0; s < count; ++s) {
       if (patch_.sides[s].gap == c) continue;
       least = std::min(least, to_double(inner_product<Lists>(circles_.sides[s].inward, point)));
     }

@@ -88,19 +88,6 @@ VDWMESH_HD inline FacePoint between(const FacePoint& a, const FacePoint& b, doub
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
-// Clips a polygon of `size` points by a line and calls put(point) for those of the part with
-// normal · point <= height.
-template <class Points, class Put>
-VDWMESH_HD void clip_polygon(const Points& polygon, std::size_t size, const FacePoint& normal,
-                             double height, const Put& put) {
-  for (std::size_t i = 0; i < size; ++i) {
-    const FacePoint &a = polygon[i], &b = polygon[i + 1 < size ? i + 1 : 0];
-    const double over_a = inner(normal, a) - height, over_b = inner(normal, b) - height;
-    if (over_a <= 0) put(a);
-    if ((over_a <= 0) != (over_b <= 0)) put(between(a, b, over_a / (over_a - over_b)));
-  }
-}
-
 // The signed area of a circular sector between two directions.
 VDWMESH_HD inline double sector(const FacePoint& a, const FacePoint& b, double squared_radius) {
   return 0.5 * squared_radius * std::atan2(outer(a, b), inner(a, b));
@@ -139,30 +126,47 @@ class CapFace {
   // `axis` is a unit vector.
   VDWMESH_HD CapFace(const Vec3d& axis, double cosine)
       : axis_(axis), first_(any_orthogonal(axis)), second_(cross(axis, first_)), cosine_(cosine) {
-    FacePoints& square = polygons_[0];  // it holds any such disk
+    FacePoints& square = points_[0];  // it holds any such disk
     square.push_back({-2, -2});
     square.push_back({2, -2});
     square.push_back({2, 2});
     square.push_back({-2, 2});
   }
 
-  // Keeps the part with normal · w <= height.
+  // Keeps the part with normal · w <= height. How many points there are is counted beside the
+  // lists, in a register of a device.
   VDWMESH_HD void clip(const Vec3d& normal, double height) {
-    const FacePoints& polygon = polygons_[now_];
-    FacePoints& kept = polygons_[1 - now_];
-    kept.clear();
-    clip_polygon(polygon, polygon.size(), {dot(normal, first_), dot(normal, second_)},
-                 height - cosine_ * dot(normal, axis_),
-                 [&](const FacePoint& point) { kept.push_back(point); });
+    if (size_ == 0) return;
+    const FacePoint toward{dot(normal, first_), dot(normal, second_)};
+    const double limit = height - cosine_ * dot(normal, axis_);
+    const FacePoints& polygon = points_[now_];
+    FacePoints& out = points_[1 - now_];
+    out.resize(2 * size_);
+    const std::size_t room = out.size();
+    std::size_t kept = 0;
+    const FacePoint start = polygon[0];
+    FacePoint a = start;
+    double over_a = inner(toward, a) - limit;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const FacePoint b = i + 1 < size_ ? polygon[i + 1] : start;
+      const double over_b = inner(toward, b) - limit;
+      if (over_a <= 0 && kept < room) out[kept++] = a;
+      if ((over_a <= 0) != (over_b <= 0) && kept < room) {
+        out[kept++] = between(a, b, over_a / (over_a - over_b));
+      }
+      a = b;
+      over_a = over_b;
+    }
     now_ = 1 - now_;
+    size_ = kept;
   }
 
-  VDWMESH_HD bool is_empty() const { return polygons_[now_].empty(); }
+  VDWMESH_HD bool is_empty() const { return size_ == 0; }
   VDWMESH_HD double area() const {
-    const FacePoints& polygon = polygons_[now_];
+    const FacePoints& polygon = points_[now_];
     double sum = 0;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const std::size_t next = i + 1 < polygon.size() ? i + 1 : 0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const std::size_t next = i + 1 < size_ ? i + 1 : 0;
       sum += triangle_in_disk(polygon[i], polygon[next], (1 - cosine_) * (1 + cosine_));
     }
     return sum;
@@ -174,8 +178,9 @@ class CapFace {
 
   Vec3d axis_, first_, second_;
   double cosine_;
-  FacePoints polygons_[2];  // the polygon, and memory for the next one
-  int now_ = 0;             // which of them is the polygon
+  FacePoints points_[2];  // of the polygon, and memory for the next one
+  int now_ = 0;           // which of them has the polygon
+  std::size_t size_ = 4;  // points of the polygon
 };
 
 }  // namespace vdwmesh::excluded
