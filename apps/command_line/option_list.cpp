@@ -393,16 +393,20 @@ constexpr std::string_view kUsual[] = {
     "-o",         "--per-atom",    "--voids",       "--verb",    "--backend",
     "--threads",  "--memory-limit"};
 
-// Read, and not shown.
+// Options of verbs that take structures which are read and not shown.
 constexpr std::string_view kUnseen[] = {
     "--csv",  "--hetatm",     "--preset",         "--isovalue",    "--blobbiness", "--crossings",
     "--seed", "--cgal-check", "--devices",        "--camera",      "--shading",    "--antialias",
     "--rows", "--time-limit", "--page-triangles", "--edge-lengths"};
 
+bool is_unseen(const Option& option) {
+  return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;
+}
+
 bool is_within(const Option& option, Extent extent) {
-  const std::string name = option.short_name();
-  if (extent == Extent::usual) return std::ranges::count(kUsual, name) > 0;
-  return extent == Extent::read || std::ranges::count(kUnseen, name) == 0;
+  if (extent == Extent::read) return true;
+  const bool is_usual = std::ranges::count(kUsual, option.short_name()) > 0;
+  return !is_unseen(option) && (extent == Extent::shown || is_usual);
 }
 
 }  // namespace
