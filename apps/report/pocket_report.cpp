@@ -63,7 +63,7 @@ std::string pocket_text(const PocketReport& report) {
   std::string text;
   const Text out = std::back_inserter(text);
   line(out, "Pockets",
-       fmt::format("{}: {} with one mouth, {} channels, {} voids; ties: {}", report.pockets.size(),
+       fmt::format("{}: with one mouth: {}, channels: {}, voids: {}; ties: {}", report.pockets.size(),
                    count_of(report, PocketKind::pocket), count_of(report, PocketKind::channel),
                    count_of(report, PocketKind::enclosed), report.face_ties));
   if (report.pockets.empty()) return text;

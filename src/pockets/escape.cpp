@@ -53,6 +53,15 @@ Gate gate_of(const PowerTriangulation& t, std::uint32_t c, std::size_t k) {
   return gate;
 }
 
+// Where a walk begins: in a cell at infinity it would end at once. Nothing but such cells: the
+// first.
+std::uint32_t first_finite_cell(const PowerTriangulation& t) {
+  for (std::uint32_t c = 0; c < t.cells.size(); ++c) {
+    if (is_finite_cell(t, c)) return c;
+  }
+  return 0;
+}
+
 // Dijkstra's algorithm for the widest path from a place to infinity. It ends at the first cell
 // there.
 Narrowest narrowest_in(const PowerTriangulation& t, const Vec3d& place) {
@@ -60,7 +69,7 @@ Narrowest narrowest_in(const PowerTriangulation& t, const Vec3d& place) {
   std::vector<double> best(t.cells.size(), -kInfinity);
   std::map<std::uint32_t, Gate> gates;  // of the ways to cells
   std::priority_queue<std::pair<double, std::uint32_t>> widest;
-  const std::uint32_t first = cell_at(t, place, 0);
+  const std::uint32_t first = cell_at(t, place, first_finite_cell(t));
   best[first] = kInfinity;
   gates[first] = kNoGate;
   widest.push({kInfinity, first});
