@@ -1,4 +1,5 @@
-// The operations of DynamicMesh, each a few assignments in the corner table.
+// The operations of DynamicMesh. Each is a few assignments in the corner table: which vertex a
+// half-edge leaves, and which half-edge is its opposite.
 #include "remesh/dynamic_mesh.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// FeatureGraph: looks at the edges whose two triangles are of the concave patches of two probes.
+// FeatureGraph looks at the edges whose two triangles are of the concave patches of two probes:
+// nowhere else has the surface a crease.
 #include "remesh/feature_graph.hpp"
 
 #include <cmath>

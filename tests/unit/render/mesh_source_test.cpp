@@ -154,7 +154,7 @@ TEST(CreaseSplit, EveryCornerHasTheNormalOfItsTrianglesSphere) {
 
 // The patches of both spheres, seen from outside of the first and from inside of the second.
 PatchedMesh two_surface_patches() {
-  PatchedMesh patched{two_patches(), {}, {0, 1}};
+  PatchedMesh patched{two_patches(), {}, {0, 1}, {}};
   patched.mesh.triangle_spheres.clear();
   for (std::uint32_t v = 0; v < 4; ++v) {
     patched.mesh.normals.push_back({0, 0, 1});
