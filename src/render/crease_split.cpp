@@ -81,14 +81,15 @@ IndexedMesh split_at_creases(const IndexedMesh& mesh, const SphereSet& spheres) 
 IndexedMesh split_at_patches(const PatchedMesh& patched) {
   check_patches(patched);
   const IndexedMesh& mesh = patched.mesh;
+  const bool follows_curves = patched.vertex_patch.empty();
   IndexedMesh split;
   split_triangles(
       mesh, split, [&](std::size_t t) { return patched.triangle_patch[t]; },
       [&](std::uint32_t v, std::uint32_t patch) {
         const Vec3d& p = mesh.positions.at(v);
-        const Vec3f normal = is_on(patched.patches[patch], p)
-                                 ? cast<float>(patch_normal(patched.patches[patch], p))
-                                 : Vec3f{0, 0, 0};
+        const bool has_normal = follows_curves || is_on(patched.patches[patch], p);
+        const Vec3f normal = has_normal ? cast<float>(patch_normal(patched.patches[patch], p))
+                                        : Vec3f{0, 0, 0};
         split.positions.push_back(p);
         split.normals.push_back(squared_norm(normal) > 0 ? normal : mesh.normals.at(v));
         split.vertex_spheres.push_back(on_sphere(mesh.vertex_spheres.atoms.at(v)));

@@ -63,7 +63,7 @@ class Pockets(ProgramTest):
 
     def test_text_names_the_largest(self):
         text = self.run_ok("pockets", UBIQUITIN).stdout
-        self.assertRegex(text, r"Pockets +\d+: \d+ with one mouth, \d+ channels, 2 voids; ties: 0")
+        self.assertRegex(text, r"Pockets +\d+: with one mouth: \d+, channels: \d+, voids: 2; ties: 0")
         self.assertRegex(text, r"(?m)^ +1  pocket +\d+\.\d+ ")
 
     def test_few_atoms_have_none(self):
