@@ -54,11 +54,12 @@ bool is_entry_tag(std::string_view tag) {
 
 // How the file uses the columns on which programs disagree.
 struct PdbLayout {
-  bool entry_tags = false;     // columns 73-80 hold entry tags, so there is no element in them
-  bool names_at_left = false;  // atom names begin in column 13 even if the element has one letter
-  bool pdbqt = false;          // AutoDock's: a charge in columns 71-76, the atom type from 78 on
-  bool beads = false;          // the atoms are beads of a coarse-grained (Martini) model
-  bool wide_names = false;     // residue names may have four letters, to column 21
+  bool entry_tags = false;       // columns 73-80 hold entry tags, so there is no element in them
+  bool names_at_left = false;    // atom names begin in column 13 even if the element has one letter
+  bool pdbqt = false;            // AutoDock's: a charge in columns 71-76, the atom type from 78 on
+  bool beads = false;            // the atoms are beads of a coarse-grained (Martini) model
+  bool wide_names = false;       // residue names may have four letters, to column 21
+  bool is_name_guessed = false;  // that they do is a guess: nothing in the file tells
 };
 
 // Whether the name, without blanks, is C, N, O or P with nothing but digits behind it.
@@ -116,7 +117,8 @@ PdbLayout layout_of(std::string_view text) {
   }
   layout.pdbqt = 2 * charges > atoms;
   layout.names_at_left = at_left > aligned;
-  layout.wide_names = wide > 0 || (wide == 0 && in_use);
+  layout.is_name_guessed = wide == 0 && in_use;
+  layout.wide_names = wide > 0 || layout.is_name_guessed;
   layout.entry_tags = std::any_of(tagged.begin(), tagged.end(),
                                   [atoms](const auto& entry) { return 2 * entry.second > atoms; });
   return layout;
@@ -207,6 +209,11 @@ class PdbReader {
     file_.format = "pdb";
     file_.structure = std::make_shared<gemmi::Structure>();
     file_.coarse_grained = layout_.beads;
+    if (layout_.is_name_guessed) {
+      file_.warnings.push_back(
+          "column 21 is taken for the fourth letter of residue names, as in HISA; nothing in the "
+          "file tells it from chain ids of two letters, which an mmCIF file can have");
+    }
   }
 
   ParsedFile run(Monitor* monitor) {
