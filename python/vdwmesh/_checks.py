@@ -183,7 +183,7 @@ def compare(
     coords, radii, probe, surface
         As for `exact`: the union of the balls, or the complete solvent-excluded surface.
     samples : float, optional
-        Per Å², 10 by default.
+        Per Å², 10 by default; more where that makes fewer than 10,000 in all.
     seed : int
         Of the random places of the samples.
 
