@@ -35,19 +35,21 @@ void unpack(const py::handle& bytes, List& list) {
 py::tuple pickled(const MeshHandle& h) {
   const IndexedMesh& mesh = *h.mesh;
   py::object grid = py::none(), patches = py::none(), of_triangles = py::none();
+  py::object of_vertices = py::none();
   if (h.grid) grid = packed(std::vector<GridSpec>{*h.grid});
   if (h.patched) {
     patches = packed(h.patched->patches);
     of_triangles = packed(h.patched->triangle_patch);
+    of_vertices = packed(h.patched->vertex_patch);
   }
   return py::make_tuple(packed(mesh.positions), packed(mesh.normals),
                         packed(mesh.vertex_spheres.atoms), packed(mesh.vertex_spheres.others),
                         packed(mesh.triangles), packed(mesh.triangle_spheres),
-                        packed(mesh.opposite), grid, patches, of_triangles);
+                        packed(mesh.opposite), grid, patches, of_triangles, of_vertices);
 }
 
 MeshHandle unpickled(const py::tuple& parts) {
-  if (parts.size() != 10) throw InvalidInput("the pickle of a mesh is of another version");
+  if (parts.size() != 11) throw InvalidInput("the pickle of a mesh is of another version");
   PatchedMesh patched;
   IndexedMesh& mesh = patched.mesh;
   unpack(parts[0], mesh.positions);
@@ -60,6 +62,7 @@ MeshHandle unpickled(const py::tuple& parts) {
   if (!parts[8].is_none()) {
     unpack(parts[8], patched.patches);
     unpack(parts[9], patched.triangle_patch);
+    unpack(parts[10], patched.vertex_patch);
     return handle_of(std::move(patched));
   }
   std::vector<GridSpec> grid;
