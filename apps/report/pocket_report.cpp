@@ -63,9 +63,10 @@ std::string pocket_text(const PocketReport& report) {
   std::string text;
   const Text out = std::back_inserter(text);
   line(out, "Pockets",
-       fmt::format("{}: with one mouth: {}, channels: {}, voids: {}; ties: {}", report.pockets.size(),
-                   count_of(report, PocketKind::pocket), count_of(report, PocketKind::channel),
-                   count_of(report, PocketKind::enclosed), report.face_ties));
+       fmt::format("{}: with one mouth: {}, channels: {}, voids: {}; ties: {}",
+                   report.pockets.size(), count_of(report, PocketKind::pocket),
+                   count_of(report, PocketKind::channel), count_of(report, PocketKind::enclosed),
+                   report.face_ties));
   if (report.pockets.empty()) return text;
   fmt::format_to(out, "\n{:>6}  {:<8}{:>12}{:>12}{:>8}{:>12}{:>8}{:>8}{:>7}  {}\n", "", "kind",
                  "volume Å³", "area Å²", "mouths", "open Å²", "fits Å", "exit Å", "atoms",

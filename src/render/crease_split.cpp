@@ -88,8 +88,8 @@ IndexedMesh split_at_patches(const PatchedMesh& patched) {
       [&](std::uint32_t v, std::uint32_t patch) {
         const Vec3d& p = mesh.positions.at(v);
         const bool has_normal = follows_curves || is_on(patched.patches[patch], p);
-        const Vec3f normal = has_normal ? cast<float>(patch_normal(patched.patches[patch], p))
-                                        : Vec3f{0, 0, 0};
+        const Vec3f normal =
+            has_normal ? cast<float>(patch_normal(patched.patches[patch], p)) : Vec3f{0, 0, 0};
         split.positions.push_back(p);
         split.normals.push_back(squared_norm(normal) > 0 ? normal : mesh.normals.at(v));
         split.vertex_spheres.push_back(on_sphere(mesh.vertex_spheres.atoms.at(v)));
