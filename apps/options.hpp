@@ -68,7 +68,7 @@ struct BatchChoice {
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
-  std::string json, per_atom, voids, csv;
+  std::string json, per_atom, voids, csv, gradient;
   AtomGroup group = AtomGroup::atom;
 };
 

@@ -381,7 +381,10 @@ std::vector<Option> output_options(Draft& d) {
       {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the same as -o",
        no_default(), "-o"},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
-       "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"}};
+       "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"},
+      {"--gradient", kExact, one(o.output.gradient, text("FILE"), Use::writes),
+       "CSV of the derivatives of area and volume by each atom's centre and radius; - is standard "
+       "output"}};
 }
 
 // What --help lists of verbs that take structures; --help-all lists the others too.

@@ -117,12 +117,14 @@ void settle_exact(Draft& d) {
   refuse_if(!d.options.output.voids.empty() && d.options.exact.topology != TopologyRequest::full,
             "--voids: needs the whole topology; leave out {}",
             first_given(d, {"--topology", "--method", "--exact"}));
+  refuse_if(!d.options.output.gradient.empty() && is_given(d, "--measure"),
+            "--gradient: is of the whole union; leave out --measure");
 }
 
 // What of the program does not go with the excluded surface, beside what its request refuses.
 void settle_excluded(const Draft& d) {
   if (d.options.exact.surface != ExactSurface::excluded) return;
-  const std::string other = first_given(d, {"--measure", "--voids"});
+  const std::string other = first_given(d, {"--measure", "--voids", "--gradient"});
   refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
   const bool cuda = d.options.machine.backend == Backend::cuda;
   refuse_if(cuda && d.verb != kExact,

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -211,6 +212,16 @@ std::string interface_csv(const InterfaceTable& table) {
       csv += fmt::format(",{},{},{},{},{}{}\n", area, area - buried, areas[row][1].value(), buried,
                          contact, segment_field(rows[row]));
     }
+  }
+  return csv;
+}
+
+std::string gradient_csv(const std::vector<BallGradient>& gradients) {
+  std::string csv = "dA_dx,dA_dy,dA_dz,dA_dr,dV_dx,dV_dy,dV_dz,dV_dr\n";
+  for (const BallGradient& g : gradients) {
+    const auto& [area, by_radius, volume, exposed] = g;
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{}\n", area.x, area.y, area.z,
+                   by_radius, volume.x, volume.y, volume.z, exposed);
   }
   return csv;
 }

@@ -8,6 +8,7 @@
 #include "excluded/excluded_measures.hpp"
 #include "interface/interfaces.hpp"
 #include "measures/exact_union.hpp"
+#include "measures/union_gradients.hpp"
 #include "options.hpp"
 #include "structure/molecule.hpp"
 
@@ -46,5 +47,9 @@ struct InterfaceTable {
 // area alone, with the other side and among all, buried area, area of contacts. Rows that neither
 // lose area nor touch an atom of the other side are left out.
 std::string interface_csv(const InterfaceTable& table);
+
+// The derivatives of area (Å) and volume (Å²) by each atom's centre and radius, a row for each atom
+// in the order of the file.
+std::string gradient_csv(const std::vector<BallGradient>& gradients);
 
 }  // namespace vdwmesh::apps

@@ -12,7 +12,9 @@
 #include "creases/exact_mesher.hpp"
 #include "cuda/backend.hpp"
 #include "excluded/excluded_distances.hpp"
+#include "measures/union_gradients.hpp"
 #include "report/output.hpp"
+#include "report/per_atom.hpp"
 #include "report/void_table.hpp"
 
 namespace vdwmesh::apps {
@@ -92,6 +94,21 @@ void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Sessi
   exact_union_into(*report.exact, spheres, wanted);
   if (options.topology != TopologyRequest::full) report.exact->topology.reset();
   if (options.topology == TopologyRequest::none) report.exact->counts.reset();
+}
+
+void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session) {
+  if (output.gradient.empty()) return;
+  const UnionGradients found = union_gradients(spheres, {.monitor = session.monitor});
+  if (found.kink_spheres > 0) {
+    session.report.note(
+        "{} atoms touch another one, or equal it: area and volume may have no derivative there, "
+        "and the table has that of the atoms without contact",
+        found.kink_spheres);
+  }
+  session.end_stage(&Timing::exact);
+  session.end_progress();
+  write_output(output.gradient, gradient_csv(found.gradients));
+  session.end_stage(&Timing::write);
 }
 
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {

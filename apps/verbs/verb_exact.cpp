@@ -51,6 +51,7 @@ void run_exact(const Options& options) {
     session.end_stage(&Timing::write);
   }
   write_voids(options.output, molecule, session);
+  write_gradient(options.output, spheres, session);
   session.deliver_report(options.output);
 }
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     )
     from vdwmesh._core import version as __version__
     from vdwmesh._cuda import CudaArray, CudaAtoms, CudaMesh
-    from vdwmesh._exact import ExactUnion, exact, sasa
+    from vdwmesh._exact import ExactUnion, UnionGradient, exact, sasa
     from vdwmesh._excluded import (
         AccessibleComponent,
         ExcludedMeasures,
@@ -84,6 +84,7 @@ __all__ = [
     "Quality",
     "Topology",
     "TrajectoryResult",
+    "UnionGradient",
     "Void",
     "__version__",
     "batch",
@@ -111,7 +112,7 @@ _HOMES = {
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
     "_cuda": "CudaArray CudaAtoms CudaMesh",
-    "_exact": "ExactUnion exact sasa",
+    "_exact": "ExactUnion UnionGradient exact sasa",
     "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
     "_measure": "Counts Topology Void",
