@@ -56,7 +56,7 @@ struct Shard {
 };
 
 // The verb whose figures the rows of a batch have.
-enum class BatchVerb { exact, report };
+enum class BatchVerb { exact, report, interface };
 
 struct BatchChoice {
   BatchVerb verb = BatchVerb::exact;

@@ -99,6 +99,10 @@ void settle_render(const Draft& d) {
   }
 }
 
+bool is_of_interfaces(const Draft& d) {
+  return d.verb == kInterface || (d.verb == kBatch && d.options.batch.verb == BatchVerb::interface);
+}
+
 // Ranks have the arcs alone, and so have batches unless more is asked for.
 void settle_exact(Draft& d) {
   MeasureRequest& m = d.measure;
@@ -110,7 +114,7 @@ void settle_exact(Draft& d) {
     m.method = UnionMethod::arcs, m.topology = m.topology.value_or(TopologyRequest::counts);
   const bool fast = d.verb == kBatch && d.options.batch.verb == BatchVerb::exact &&
                     m.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
-  if (d.verb == kInterface) m.surface = SurfaceChoice::sas;
+  if (is_of_interfaces(d)) m.surface = SurfaceChoice::sas;
   if (fast) m.usual_topology = TopologyRequest::none;
   m.backend = d.options.machine.backend;
   d.options.exact = settle(m);
@@ -134,7 +138,10 @@ void settle_excluded(const Draft& d) {
             "--topology full: shells are found on the CPU; leave out --backend cuda");
 }
 
-void settle_interface(const Draft& d) {
+// Shape complementarity is for who asks for it.
+void settle_interface(Draft& d) {
+  if (is_of_interfaces(d))
+    d.options.distances.distances = is_given(d, "--samples") ? Switch::on : Switch::off;
   refuse_if(d.verb == kInterface && d.read.groups.size() == 1,
             "SIDE {}: an interface has two sides; name another one, or none for all chains",
             d.read.groups.front());
@@ -186,8 +193,13 @@ void settle_picture(const Draft& d) {
 
 // Options of the mesh would be without effect where none is made.
 void settle_batch_verb(const Draft& d) {
+  const bool of_interfaces = is_of_interfaces(d);
   if (d.options.batch.verb == BatchVerb::report) return;
   for (const auto& [name, group] : d.given) {
+    const bool of_union = name == "--measure" || name == "--method" || name == "--topology";
+    refuse_if(of_interfaces && of_union, "{}: does not go with --verb interface; leave it out",
+              name);
+    if (of_interfaces && (name == "--samples" || name == "--seed")) continue;
     const bool of_mesh = group == kSurfaceGroup || name == "--distances" || name == "--samples" ||
                          name == "--seed" || name == "--self-intersections" ||
                          name == "--cgal-check";

@@ -15,6 +15,7 @@
 #include "analysis/survey/cgal_measures.hpp"
 #include "creases/exact_mesher.hpp"
 #include "excluded/excluded_measures.hpp"
+#include "interface/complementarity.hpp"
 #include "measures/exact_union.hpp"
 #include "options.hpp"
 #include "remesh/surface_remesher.hpp"
@@ -164,6 +165,7 @@ struct InterfaceReport {
   SideReport side_a, side_b;
   std::optional<AreaByPolarity> buried_by_polarity;  // where the radius set has one
   std::vector<ResidueContact> contacts;              // largest first
+  std::optional<Complementarity> complementarity;    // where asked for
 };
 
 struct Report {

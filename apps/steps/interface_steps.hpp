@@ -22,8 +22,10 @@ struct Sides {
 Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selections);
 
 // Measures the interfaces and fills their part of the report: of selections all pairs, of chains
-// those that touch. Warns of atoms that clash.
+// those that touch; with `fit` on, how their shapes fit, from so many samples on. Warns of atoms
+// that clash.
 Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
-                              const InputOptions& input, Session& session);
+                              const InputOptions& input, const DistanceChoice& fit,
+                              Session& session);
 
 }  // namespace vdwmesh::apps

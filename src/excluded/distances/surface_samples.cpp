@@ -66,7 +66,16 @@ std::size_t SurfaceSamples::element_count() const {
 
 void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& inside,
                          std::vector<Vec3d>& border, const std::function<void()>& take) const {
-  const Sink sink{inside, border, take};
+  add_to({inside, border, take}, element);
+}
+
+void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& points,
+                         std::vector<Vec3d>& probes) const {
+  std::vector<Vec3d> border;
+  add_to({points, border, [] {}, &probes}, element);
+}
+
+void SurfaceSamples::add_to(const Sink& sink, std::size_t element) const {
   const AccessibleSurface& s = surface_.grown.surface;
   const Random random(seed_, element);
   if (element < contacts_.size()) return add_contact(contacts_[element], random, sink);
@@ -85,12 +94,14 @@ void SurfaceSamples::add_contact(const Patch& grown, Random random, const Sink& 
   Patch patch = grown;
   patch.ball.radius -= probe_;
   const double growth = grown.ball.radius / patch.ball.radius;
+  const auto probe_at = [&](const Vec3d& point) {
+    return grown.ball.center + growth * (point - grown.ball.center);
+  };
   const auto is_included = [&](const Vec3d& point) {
-    const Vec3d& center = grown.ball.center;
-    return surface_.includes_point(sphere_of_[grown.place], center + growth * (point - center));
+    return surface_.includes_point(sphere_of_[grown.place], probe_at(point));
   };
   sample_patch(patch, density_, random, [&](const Vec3d& point) {
-    if (is_included(point)) sink.add_inside(point);
+    if (is_included(point)) sink.add_inside(point, probe_at(point));
   });
   for (std::uint32_t i = 0; i < patch.corner_count; ++i) {
     const Vec3d corner = patch.ball.center + patch.ball.radius * patch.corners[i].position;
@@ -104,6 +115,12 @@ Vec3d SurfaceSamples::on_saddle(const RolledArc& arc, double turn, double profil
   const Vec3d radial = std::cos(turn) * start + std::sin(turn) * cross(arc.axis, start);
   return surface_.in_angstrom(arc.center + (arc.circle_radius - p * std::cos(profile)) * radial +
                               (p * std::sin(profile)) * arc.axis);
+}
+
+Vec3d SurfaceSamples::on_circle(const RolledArc& arc, double turn) const {
+  const Vec3d start = start_of(arc);
+  const Vec3d radial = std::cos(turn) * start + std::sin(turn) * cross(arc.axis, start);
+  return surface_.in_angstrom(arc.center + arc.circle_radius * radial);
 }
 
 // The points rise by equal steps of area across the saddle, while multiples of the golden ratio
@@ -121,8 +138,9 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, const Sink&
     for (std::uint64_t i = 0; i < count; ++i) {
       const double along = shift + static_cast<double>(i) * kInverseGoldenRatio;
       const double across = (static_cast<double>(i) + random.next()) / static_cast<double>(count);
-      sink.add_inside(on_saddle(arc, arc.angle * (along - std::floor(along)),
-                                profile_at(rho, p, range, across)));
+      const double turn = arc.angle * (along - std::floor(along));
+      sink.add_inside(on_saddle(arc, turn, profile_at(rho, p, range, across)),
+                      on_circle(arc, turn));
     }
     for (const double turn : {0.0, 0.5 * arc.angle, arc.angle}) {
       for (const double profile : {range.from, 0.5 * (range.from + range.to), range.to}) {
@@ -147,7 +165,8 @@ void SurfaceSamples::add_concave(std::uint32_t probe, Random random, const Sink&
                     0,
                     covers.data(),
                     nullptr};
-  sample_patch(patch, density_, random, [&](const Vec3d& point) { sink.add_inside(point); });
+  sample_patch(patch, density_, random,
+               [&](const Vec3d& point) { sink.add_inside(point, patch.ball.center); });
   Vec3d middle{0, 0, 0};
   for (const PatchSide& side : sides) middle = middle + side.contact[0];
   if (!(squared_norm(middle) > 0) || !is_exposed(patch, unit(middle))) return;
