@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         meshes,
         trajectory,
     )
+    from vdwmesh._interface import Interface, Interfaces, interface
     from vdwmesh._measure import Counts, Topology, Void
     from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh, mesh_many
     from vdwmesh._molecule import Molecule, radii_of, read, sample
@@ -73,6 +74,8 @@ __all__ = [
     "FileMissing",
     "FrameMesh",
     "FrameResult",
+    "Interface",
+    "Interfaces",
     "InternalError",
     "InvalidInput",
     "LimitExceeded",
@@ -91,6 +94,7 @@ __all__ = [
     "compare",
     "exact",
     "frames",
+    "interface",
     "marching_cubes",
     "mesh",
     "mesh_many",
@@ -115,6 +119,7 @@ _HOMES = {
     "_exact": "ExactUnion UnionGradient exact sasa",
     "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
+    "_interface": "Interface Interfaces interface",
     "_measure": "Counts Topology Void",
     "_mesh": "Mesh PATCH_KINDS marching_cubes mesh mesh_many",
     "_molecule": "Molecule radii_of read sample",
