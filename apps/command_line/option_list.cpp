@@ -351,9 +351,7 @@ std::vector<Option> output_options(Draft& d) {
       {"-o,--output", kBatch, one(o.batch.output, text("FILE"), Use::writes),
        "the rows: .jsonl .ndjson .json (JSON lines) or .csv", otherwise("standard output")},
       {"--verb", kBatch, one(o.batch.verb, named<BatchVerb>()),
-       "whose figures the rows have; report makes a mesh of each structure as well, interface is "
-       "of "
-       "chains that touch",
+       "whose figures the rows have; report makes a mesh of each structure as well",
        by_default("exact")},
       {"--rows", kBatch, one(o.batch.rows, named<RowFormat>()), "of which kind they are",
        otherwise("by extension; jsonl")},
