@@ -68,7 +68,7 @@ struct BatchChoice {
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
-  std::string json, per_atom, voids, csv, gradient;
+  std::string json, per_atom, voids, csv, gradient, depth;
   AtomGroup group = AtomGroup::atom;
 };
 

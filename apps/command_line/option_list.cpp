@@ -174,6 +174,10 @@ std::vector<Option> surface_options(Draft& d) {
        "which one: the boundary of the balls, the accessible surface (the same with --probe 1.4), "
        "or the solvent-excluded one",
        by_default("vdw")},
+      {"--surface", kInterface, one(d.measure.surface, named<SurfaceChoice>()),
+       "sas, or ses: what is buried of the solvent-excluded surface as well, and the gap between "
+       "the sides",
+       by_default("sas")},
       {"--mesher", kSurfaces | kRanksMesh, one(m.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
        otherwise(d.verb == kRanksMesh
@@ -385,6 +389,9 @@ std::vector<Option> output_options(Draft& d) {
        no_default(), "-o"},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
        "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"},
+      {"--depth", kExact, one(o.output.depth, text("FILE"), Use::writes),
+       "CSV of how deep atoms, or residues in the mean (--group), lie below the accessible, the "
+       "excluded and its exterior surface, Å; - is standard output"},
       {"--gradient", kExact, one(o.output.gradient, text("FILE"), Use::writes),
        "CSV of the derivatives of area and volume by each atom's centre and radius; - is standard "
        "output"}};
@@ -401,9 +408,10 @@ constexpr std::string_view kUsual[] = {
 
 // Options of verbs that take structures which are read and not shown.
 constexpr std::string_view kUnseen[] = {
-    "--csv",  "--hetatm",     "--preset",         "--isovalue",    "--blobbiness", "--crossings",
-    "--seed", "--cgal-check", "--devices",        "--camera",      "--shading",    "--antialias",
-    "--rows", "--time-limit", "--page-triangles", "--edge-lengths"};
+    "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
+    "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
+    "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
+    "--edge-lengths", "--relative-edge", "--padding"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

@@ -114,20 +114,29 @@ void settle_exact(Draft& d) {
     m.method = UnionMethod::arcs, m.topology = m.topology.value_or(TopologyRequest::counts);
   const bool fast = d.verb == kBatch && d.options.batch.verb == BatchVerb::exact &&
                     m.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
+  const bool of_excluded = d.verb == kInterface && m.surface == SurfaceChoice::ses;
+  if (d.verb == kInterface && is_given(d, "--surface"))
+    refuse_if(
+        m.surface == SurfaceChoice::vdw,
+        "--surface vdw: balls without a probe bury nothing that a solvent sees; choose sas or "
+        "ses");
   if (is_of_interfaces(d)) m.surface = SurfaceChoice::sas;
   if (fast) m.usual_topology = TopologyRequest::none;
   m.backend = d.options.machine.backend;
   d.options.exact = settle(m);
+  if (of_excluded) d.options.exact.surface = ExactSurface::excluded;
   refuse_if(!d.options.output.voids.empty() && d.options.exact.topology != TopologyRequest::full,
             "--voids: needs the whole topology; leave out {}",
             first_given(d, {"--topology", "--method", "--exact"}));
+  refuse_if(!d.options.output.depth.empty() && !(d.options.exact.probe > 0),
+            "--depth: needs a probe; add --surface sas or --surface ses");
   refuse_if(!d.options.output.gradient.empty() && is_given(d, "--measure"),
             "--gradient: is of the whole union; leave out --measure");
 }
 
 // What of the program does not go with the excluded surface, beside what its request refuses.
 void settle_excluded(const Draft& d) {
-  if (d.options.exact.surface != ExactSurface::excluded) return;
+  if (d.options.exact.surface != ExactSurface::excluded || d.verb == kInterface) return;
   const std::string other = first_given(d, {"--measure", "--voids", "--gradient"});
   refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
   const bool cuda = d.options.machine.backend == Backend::cuda;

@@ -256,6 +256,14 @@ void describe(A& a, const Complementarity& fit) {
 }
 
 template <class A>
+void describe(A& a, const ExcludedBurial& excluded) {
+  a("buried_area", excluded.buried_a + excluded.buried_b);
+  a("buried_a", excluded.buried_a), a("buried_b", excluded.buried_b);
+  a("area_a", excluded.area_a), a("area_b", excluded.area_b);
+  a("area_in_pair", excluded.area_in_pair), a("gap_volume", excluded.gap_volume);
+}
+
+template <class A>
 void describe(A& a, const SideReport& side) {
   a("area", side.area), a("area_in_pair", side.area_in_pair);
   a("area_in_whole", side.area_in_whole), a("buried_area", side.buried_area);
@@ -279,6 +287,7 @@ void describe(A& a, const InterfaceReport& interface) {
   a("side_a", interface.side_a), a("side_b", interface.side_b);
   a("contacts", interface.contacts);
   a("complementarity", interface.complementarity);
+  a("excluded", interface.excluded);
 }
 
 // Nothing where memory is not limited.

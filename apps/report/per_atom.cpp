@@ -173,6 +173,29 @@ std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<Exclu
   return csv;
 }
 
+std::string depth_csv(const Molecule& molecule, double probe, const AtomDepths& depths,
+                      AtomGroup group) {
+  std::vector<std::size_t> row_of_atom;
+  std::vector<AtomRow> rows = make_rows(molecule, group, row_of_atom);
+  std::vector<std::array<WideSum, 2>> sums(rows.size());  // complete, exterior
+  for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
+    ++rows[row_of_atom[i]].atoms;
+    sums[row_of_atom[i]][0].add(depths.complete[i]);
+    sums[row_of_atom[i]][1].add(depths.exterior[i]);
+  }
+  std::string csv =
+      "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,"
+      "depth_accessible,depth_excluded,depth_exterior,segment\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    print_place(csv, rows[r], 0);
+    const auto atoms = static_cast<double>(rows[r].atoms);
+    const double complete = sums[r][0].value() / atoms, exterior = sums[r][1].value() / atoms;
+    csv +=
+        fmt::format(",{},{},{}{}\n", complete + probe, complete, exterior, segment_field(rows[r]));
+  }
+  return csv;
+}
+
 std::string interface_csv(const InterfaceTable& table) {
   const auto& [molecule, probe, sides, side_of_atom, found, group] = table;
   struct Loss {

@@ -33,6 +33,17 @@ std::string per_atom_csv(const PerAtomTable& table);
 std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
                                AtomGroup group);
 
+// How far each atom's centre lies below the solvent-excluded surface, Å: the complete one, whose
+// cavities are outside, and the exterior one.
+struct AtomDepths {
+  std::vector<double> complete, exterior;
+};
+
+// Depths of atoms, or the means of residues or chains. Below the accessible surface an atom lies
+// deeper than below the excluded one by the probe (Å): nearest points of both lie on one line.
+std::string depth_csv(const Molecule& molecule, double probe, const AtomDepths& depths,
+                      AtomGroup group);
+
 // What the table of interfaces is made of.
 struct InterfaceTable {
   const Molecule& molecule;

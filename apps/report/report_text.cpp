@@ -326,6 +326,9 @@ void interfaces_text(Text out, std::vector<InterfaceReport> interfaces) {
     if (i.buried_by_polarity)
       fmt::format_to(out, "{:<22}{:>13.3f} polar, {:.3f} apolar\n", "", i.buried_by_polarity->polar,
                      i.buried_by_polarity->apolar);
+    if (i.excluded)
+      fmt::format_to(out, "{:<22}{:>13.3f} of the excluded surface, gap {:.3f} Å³\n", "",
+                     i.excluded->buried_a + i.excluded->buried_b, i.excluded->gap_volume);
     if (i.complementarity)
       fmt::format_to(out, "{:<22}{:>13.3f} ± {:.3f} shape complementarity\n", "",
                      i.complementarity->sc, i.complementarity->error);

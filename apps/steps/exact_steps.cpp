@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "analysis/mesh_measures.hpp"
+#include "batch/molecule_spheres.hpp"
 #include "creases/exact_mesher.hpp"
 #include "cuda/backend.hpp"
 #include "excluded/excluded_distances.hpp"
@@ -94,6 +96,25 @@ void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Sessi
   exact_union_into(*report.exact, spheres, wanted);
   if (options.topology != TopologyRequest::full) report.exact->topology.reset();
   if (options.topology == TopologyRequest::none) report.exact->counts.reset();
+}
+
+void write_depths(const OutputOptions& output, const Molecule& molecule, double probe,
+                  VerbSession& session) {
+  if (output.depth.empty()) return;
+  const SphereSet atoms = to_spheres(molecule, 0);
+  std::vector<Vec3d> centers;
+  for (const Atom& atom : molecule.atoms) centers.push_back(atom.position);
+  const auto depths = [&](ExcludedPart part) {
+    std::vector<double> found =
+        excluded_signed_distances(centers, atoms, probe, session.monitor, part);
+    std::ranges::transform(found, found.begin(), std::negate<>());
+    return found;
+  };
+  const AtomDepths found{depths(ExcludedPart::complete), depths(ExcludedPart::exterior)};
+  session.end_stage(&Timing::compare);
+  session.end_progress();
+  write_output(output.depth, depth_csv(molecule, probe, found, output.group));
+  session.end_stage(&Timing::write);
 }
 
 void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session) {

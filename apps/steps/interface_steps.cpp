@@ -194,15 +194,20 @@ Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selecti
 }
 
 Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
-                              const InputOptions& input, const DistanceChoice& fit,
+                              const InputOptions& input, const InterfaceChoice& choice,
                               Session& session) {
   Interfaces found = interfaces(structure.spheres, sides.of_atom, session.monitor);
   if (!input.read.groups.empty()) add_pairs_apart(found);
   std::vector<InterfaceReport>& reports = session.report.interfaces.emplace();
   for (const Interface& pair : found.pairs) {
     reports.push_back(report_of(structure, sides, found, pair));
-    if (fit.distances == Switch::on)
-      reports.back().complementarity = fit_of(structure.molecule, sides, pair, input, fit, session);
+    InterfaceReport& report = reports.back();
+    if (choice.fit.distances == Switch::on)
+      report.complementarity = fit_of(structure.molecule, sides, pair, input, choice.fit, session);
+    if (choice.surface == ExactSurface::excluded)
+      report.excluded = excluded_burial(atoms_of_side(structure.molecule, sides, pair.a),
+                                        atoms_of_side(structure.molecule, sides, pair.b),
+                                        input.probe, session.monitor);
   }
   warn_of_clashes(structure.molecule, found.pairs, input.probe, session.report);
   if (found.pairs.empty()) session.report.notes.emplace_back("no two chains touch");

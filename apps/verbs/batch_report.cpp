@@ -57,8 +57,8 @@ void interfaces_into(InterfaceRow& row, const NamedStructure& source, const Opti
   SphereSet spheres = to_spheres(molecule, input.probe);
   const Structure structure{std::move(molecule), std::move(spheres)};
   one.check(structure.spheres);
-  measure_interfaces(structure, sides_of(structure.molecule, {}), input, options.distances,
-                     session);
+  measure_interfaces(structure, sides_of(structure.molecule, {}), input,
+                     {options.distances, options.exact.surface}, session);
   row.interfaces = std::move(session.report.interfaces);
   row.warnings = std::move(session.report.warnings);
 }

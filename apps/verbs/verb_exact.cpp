@@ -24,6 +24,7 @@ void run_excluded(const Options& options, const Molecule& molecule, VerbSession&
     measure_excluded(molecule, probe, options.exact, per_atom, session);
   }
   write_excluded_atoms(options.output, molecule, session);
+  write_depths(options.output, molecule, probe, session);
   session.deliver_report(options.output);
 }
 
@@ -52,6 +53,7 @@ void run_exact(const Options& options) {
   }
   write_voids(options.output, molecule, session);
   write_gradient(options.output, spheres, session);
+  write_depths(options.output, molecule, input.probe, session);
   session.deliver_report(options.output);
 }
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         meshes,
         trajectory,
     )
-    from vdwmesh._interface import Interface, Interfaces, interface
+    from vdwmesh._interface import Complementarity, Interface, Interfaces, interface
     from vdwmesh._measure import Counts, Topology, Void
     from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh, mesh_many
     from vdwmesh._molecule import Molecule, radii_of, read, sample
@@ -57,6 +57,7 @@ __all__ = [
     "BackendUnavailable",
     "BatchRow",
     "Comparison",
+    "Complementarity",
     "Counts",
     "CudaArray",
     "CudaAtoms",
@@ -119,7 +120,7 @@ _HOMES = {
     "_exact": "ExactUnion UnionGradient exact sasa",
     "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
-    "_interface": "Interface Interfaces interface",
+    "_interface": "Complementarity Interface Interfaces interface",
     "_measure": "Counts Topology Void",
     "_mesh": "Mesh PATCH_KINDS marching_cubes mesh mesh_many",
     "_molecule": "Molecule radii_of read sample",

@@ -17,6 +17,40 @@ if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, Ids
 
 
+@dataclass(frozen=True)
+class Complementarity:
+    """How well the solvent-excluded surfaces of two sides fit (Lawrence and Colman 1993).
+
+    Attributes
+    ----------
+    sc : float
+        1 for surfaces that are each other's image; NaN where no part of a side is farther than 1.5 Å
+        from what is not buried.
+    error : float
+        Estimate of the error of `sc`; samples are doubled until it is below 0.002.
+    median_a, median_b : float
+        Of both sides; `sc` is their mean.
+    fitted_a, fitted_b : float
+        Å² that the medians are over.
+    buried_a, buried_b : float
+        Å² of the excluded surfaces that the other side buries.
+    contact_a, contact_b : float
+        Contact molecular surface, Å²: the integral of exp(-d²/2) over the buried parts, with d (Å) the
+        distance to the other side's.
+    """
+
+    sc: float
+    error: float
+    median_a: float
+    median_b: float
+    fitted_a: float
+    fitted_b: float
+    buried_a: float
+    buried_b: float
+    contact_a: float
+    contact_b: float
+
+
 @dataclass(frozen=True, eq=False)
 class Interface:
     """What two sides bury of each other's surface, without all others.
@@ -39,6 +73,8 @@ class Interface:
         Pairs of atoms, of `a` and of `b`, that share a face of the power diagram.
     contact_areas : ndarray of float64, shape (C,)
         The part of the face inside both balls, Å².
+    complementarity : Complementarity or None
+        None where it was not asked for.
     """
 
     a: Any
@@ -54,6 +90,7 @@ class Interface:
     atom_area_in_pair: Floats
     contacts: Ids
     contact_areas: Floats
+    complementarity: Complementarity | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +116,7 @@ def interface(
     *,
     sides: ArrayLike | None = None,
     probe: float = 1.4,
+    complementarity: bool = False,
     threads: int | None = None,
 ) -> Interfaces:
     """Exact buried areas and contacts of all pairs of sides that touch, in one call.
@@ -92,6 +130,8 @@ def interface(
         alone. By default the chains of a `Molecule`.
     probe : float
         Added to every radius, Å.
+    complementarity : bool
+        Whether the fit of each pair's excluded surfaces is measured too, which takes longer.
     threads : int, optional
         At most so many; all cores by default.
 
@@ -117,14 +157,15 @@ def interface(
     centers, sizes, _ = arrays_of(coords, radii)
     names, numbers = _numbered(sides, coords, len(centers))
     alone, whole, pairs = _core.interfaces(
-        centers, sizes, number("probe", probe), numbers, thread_count(threads)
+        centers, sizes, number("probe", probe), numbers, complementarity, thread_count(threads)
     )
     return Interfaces(tuple(_pair(names, pair) for pair in pairs), view(alone), view(whole))
 
 
 def _pair(names: list[Any], pair: dict[str, Any]) -> Interface:
-    values = {k: v if isinstance(v, (int, float)) else view(v) for k, v in pair.items()}
-    return Interface(**{**values, "a": names[pair["a"]], "b": names[pair["b"]]})
+    values = {k: v if isinstance(v, (int, float)) else view(v) for k, v in pair.items() if k != "complementarity"}
+    fit = pair["complementarity"] and Complementarity(**pair["complementarity"])
+    return Interface(**{**values, "a": names[pair["a"]], "b": names[pair["b"]], "complementarity": fit})
 
 
 def _numbered(sides: Any, coords: Any, count: int) -> tuple[list[Any], Ids]:

@@ -78,6 +78,22 @@ class Interface(ProgramTest):
         self.assertLessEqual(straight["error"], 0.004)
         self.assertAlmostEqual(swapped["sc"], straight["sc"], delta=2 * (swapped["error"] + straight["error"]))
 
+    def test_excluded_surface_beside_three_runs(self):
+        path = need_shared("molecules/thesis/4HHB.pdb")
+        (pair,), _ = self.interfaces(path, "A", "B", "--surface", "ses")
+        out = self.folder / "e.json"
+        runs = []
+        for chains in ("A", "B", "A,B"):
+            self.run_ok("exact", path, "--surface", "ses", "--select", chains, "--topology", "off", "--json", out)
+            runs.append(parse_json(out.read_text())["excluded"]["complete"])
+        a, b, both = (run["area"] for run in runs)
+        found = pair["excluded"]
+        self.assertAlmostEqual(found["buried_area"], a + b - both, delta=1e-10 * both)
+        self.assertAlmostEqual(found["area_in_pair"], both, delta=SAME * both)
+        gap = runs[2]["volume"] - runs[0]["volume"] - runs[1]["volume"]
+        self.assertAlmostEqual(found["gap_volume"], gap, delta=1e-10 * runs[2]["volume"])
+        self.assert_refused(BAD_INPUT, "interface", path, "--surface", "vdw", says=["choose sas or ses"])
+
     def test_rows_of_a_batch(self):
         folder = self.folder / "many"
         folder.mkdir()

@@ -36,6 +36,19 @@ class Interface(unittest.TestCase):
         self.assertTrue((sides[pair.contacts[:, 0]] == pair.a).all())
         self.assertTrue((sides[pair.contacts[:, 1]] == pair.b).all())
 
+    def test_complementarity(self):
+        """Two balls, beside the closed form: the fit falls from the axis to the rim, so its median is the value at half of
+        the fitted cap's area."""
+        r, d, probe = 6.0, 13.0, 1.4
+        rim = math.acos(d / 2 / (r + probe)) - 2 * math.asin(1.5 / (2 * r))  # less the chord of 1.5 Å
+        cosine = (1 + math.cos(rim)) / 2
+        far = math.sqrt(d * d + r * r - 2 * d * r * cosine)
+        expected = (d * cosine - r) / far * math.exp(-0.5 * (far - r) ** 2)
+        balls = ([[0, 0, 0], [0, 0, d]], [r, r])
+        (pair,) = vdwmesh.interface(*balls, sides=["A", "B"], complementarity=True).pairs
+        self.assertAlmostEqual(pair.complementarity.sc, expected, delta=0.004)
+        self.assertIsNone(vdwmesh.interface(*balls, sides=["A", "B"]).pairs[0].complementarity)
+
     def test_bad_sides(self):
         coords, radii = [[0, 0, 0], [1, 0, 0]], [1.0, 1.0]
         for sides in (None, ["A", "A"], ["A", ""], [0, -1], ["A"], [0.5, 1.5]):
