@@ -182,8 +182,8 @@ void settle_output(const Draft& d) {
   } else if (!path.empty()) {
     mesh_format(path);
   }
-  refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
-            "--group: says how --per-atom FILE is grouped; add that");
+  refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom") && !is_given(d, "--depth"),
+            "--group: says how --per-atom FILE is grouped; add that or --depth FILE");
 }
 
 // Where nothing can draw, that is said before any work.

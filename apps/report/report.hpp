@@ -166,8 +166,8 @@ struct InterfaceReport {
   SideReport side_a, side_b;
   std::optional<AreaByPolarity> buried_by_polarity;  // where the radius set has one
   std::vector<ResidueContact> contacts;              // largest first
-  std::optional<Complementarity> complementarity;    // where asked for
-  std::optional<ExcludedBurial> excluded;            // where asked for
+  std::optional<Complementarity> complementarity{};  // where asked for
+  std::optional<ExcludedBurial> excluded{};          // where asked for
 };
 
 struct Report {

