@@ -148,7 +148,9 @@ InterfaceReport report_of(const Structure& structure, const Sides& sides, const 
           .side_a = side_of(molecule, sides.of_atom, pair.a, found, pair),
           .side_b = side_of(molecule, sides.of_atom, pair.b, found, pair),
           .buried_by_polarity = buried_by_polarity(molecule, pair),
-          .contacts = residue_contacts(molecule, pair)};
+          .contacts = residue_contacts(molecule, pair),
+          .complementarity = {},
+          .excluded = {}};
 }
 
 SphereSet atoms_of_side(const Molecule& molecule, const Sides& sides, std::int32_t side) {

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from vdwmesh._measure import Counts, Topology, Void
     from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh, mesh_many
     from vdwmesh._molecule import Molecule, radii_of, read, sample
+    from vdwmesh._pocket_frames import PocketFrame, pocket_frames, pocket_table
     from vdwmesh._pockets import Mouth, Pocket, pockets
     from vdwmesh.errors import (
         BackendUnavailable,
@@ -85,6 +86,7 @@ __all__ = [
     "Mouth",
     "PATCH_KINDS",
     "Pocket",
+    "PocketFrame",
     "Quality",
     "Topology",
     "TrajectoryResult",
@@ -100,6 +102,8 @@ __all__ = [
     "mesh",
     "mesh_many",
     "meshes",
+    "pocket_frames",
+    "pocket_table",
     "pockets",
     "quality",
     "radii_of",
@@ -124,6 +128,7 @@ _HOMES = {
     "_measure": "Counts Topology Void",
     "_mesh": "Mesh PATCH_KINDS marching_cubes mesh mesh_many",
     "_molecule": "Molecule radii_of read sample",
+    "_pocket_frames": "PocketFrame pocket_frames pocket_table",
     "_pockets": "Mouth Pocket pockets",
     "errors": "BackendUnavailable CudaError Error FileFormatError FileMissing "
     "InternalError InvalidInput LimitExceeded",
