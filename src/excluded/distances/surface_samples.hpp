@@ -63,9 +63,6 @@ class SurfaceSamples {
   void add_saddle(const RolledArc& arc, Random random, const Sink& sink) const;
   void add_concave(std::uint32_t probe, Random random, const Sink& sink) const;
   void add_curve(const CircleArc& curve, const Sink& sink) const;
-  // The centre of the probe at a turn, and the point that it touches at a profile angle.
-  Vec3d on_circle(const RolledArc& arc, double turn) const;
-  Vec3d on_saddle(const RolledArc& arc, double turn, double profile) const;
 
   const JudgedSurface& surface_;
   std::span<const Patch> contacts_;
