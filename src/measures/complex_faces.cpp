@@ -38,9 +38,7 @@ class ComplexFaces {
     return {.other = t_.ids[b],
             .other_radius = unit * ball(b).radius,
             .axis = axis,
-            .distance = unit * shape.length,
-            .height = unit * shape.height[0],
-            .other_height = unit * shape.height[1],
+            .plane = {1 / (unit * shape.length), unit * shape.height[0], unit * shape.height[1]},
             .angle = cone.angle,
             .arc = unit * arc,
             .area = unit * unit * cone.face,
@@ -121,6 +119,8 @@ std::vector<std::vector<SharedFace>> faces_by_ball(const PowerTriangulation& tri
 void visit_by_triangulation(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
                             std::span<SphereMeasures> per_sphere, FaceVisitor& visitor) {
   std::ranges::sort(near, {}, &NumberedBall::id);
+  const auto repeated = std::ranges::unique(near, {}, &NumberedBall::id);
+  near.erase(repeated.begin(), repeated.end());
   std::vector<Sphere> balls;
   for (const NumberedBall& n : near) balls.push_back(n.ball);
   PowerTriangulation triangulation = triangulate(SphereSet(std::move(balls)));

@@ -1,15 +1,5 @@
-// union_gradients(): sums over the faces that a ball shares with its neighbours.
-//
-// Ball i and its neighbour j have the distance d and the axis n from i to j. The plane of their
-// circle has the heights h over i and k over j; the circle has the exposed angle φ and T = ∫ arm
-// dφ; the power face in the ball has the area F and M = ∫ place dF. If the ball at j moves by v and
-// grows by s, the axis turns by v⊥ / d, and h grows by (k n·v - s r_j) / d. So
-//   ∂A_i/∂x_j = (φ r_i k n - r_i T) / d      ∂A_i/∂r_j = -φ r_i r_j / d
-//   ∂V_i/∂x_j = (F k n - M) / d              ∂V_i/∂r_j = -F r_j / d
-//   ∂A_i/∂r_i = 2 A_i / r_i + Σ φ (r_i² / d - h)   ∂V_i/∂r_i = A_i + Σ F r_i / d
-// A ball that moves by v changes as if all others moved by -v. Seen from j, the axis is -n and h
-// and k change places, while φ, T, F and M are the same. So ball i alone has both ∂A_i/∂x_j and
-// ∂A_j/∂x_i, and gathers what a gradient needs.
+// union_gradients(): sums over the faces that a ball shares with its neighbours. The formulas are
+// those of arcs/face_rates.hpp.
 #include "measures/union_gradients.hpp"
 
 #include <algorithm>
@@ -21,6 +11,7 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "measures/arcs/arcs.hpp"
+#include "measures/arcs/ball_gradient.hpp"
 #include "measures/complex_faces.hpp"
 #include "measures/measures.hpp"
 #include "measures/total_measures.hpp"
@@ -33,34 +24,12 @@ double weight(std::span<const double> weights, SphereId id) {
   return weights.empty() ? 1 : weights[id];
 }
 
-BallGradient gradient(SphereId id, const Sphere& ball, double area,
-                      std::span<const SharedFace> faces, const GradientOptions& options) {
-  const auto [areas, volumes] = std::pair(options.area_weights, options.volume_weights);
-  const double w = weight(areas, id), u = weight(volumes, id), r = ball.radius, reach = w * r;
-  BallGradient g{};
-  for (const SharedFace& f : faces) {
-    const double inverse = 1 / f.distance, u_other = weight(volumes, f.other),
-                 reach_other = weight(areas, f.other) * f.other_radius;
-    const double pull = f.angle * (reach * f.other_height + reach_other * f.height);
-    g.area_center =
-        g.area_center + (-pull * inverse) * f.axis + ((reach - reach_other) * inverse) * f.arc;
-    g.area_radius += f.angle * (w * (r * r * inverse - f.height) - reach_other * r * inverse);
-    const double push = f.area * (u * f.other_height + u_other * f.height);
-    g.volume_center =
-        g.volume_center + (-push * inverse) * f.axis + ((u - u_other) * inverse) * f.moment;
-    g.volume_radius += (u - u_other) * f.area * inverse;
-  }
-  g.area_radius += 2 * w * (area / r);
-  g.volume_radius = u * area + r * g.volume_radius;
-  return g;
-}
-
 // The derivatives of a ball's measures by a neighbour.
 BallGradient by_other(const Sphere& ball, const SharedFace& f) {
-  const double inverse = 1 / f.distance, r = ball.radius;
-  return {(inverse * r * f.angle * f.other_height) * f.axis - (inverse * r) * f.arc,
+  const double inverse = f.plane.inverse_distance, r = ball.radius;
+  return {(inverse * r * f.angle * f.plane.other_height) * f.axis - (inverse * r) * f.arc,
           -inverse * r * f.angle * f.other_radius,
-          (inverse * f.area * f.other_height) * f.axis - inverse * f.moment,
+          (inverse * f.area * f.plane.other_height) * f.axis - inverse * f.moment,
           -inverse * f.area * f.other_radius};
 }
 
@@ -71,8 +40,8 @@ BallGradient by_itself(const Sphere& ball, double area, std::span<const SharedFa
   own.area_radius = 2 * (area / r);
   own.volume_radius = area;
   for (const SharedFace& f : faces) {
-    own.area_radius += f.angle * (r * r / f.distance - f.height);
-    own.volume_radius += f.area * (r / f.distance);
+    own.area_radius += f.angle * (r * r * f.plane.inverse_distance - f.plane.height);
+    own.volume_radius += f.area * r * f.plane.inverse_distance;
   }
   return own;
 }
@@ -93,20 +62,6 @@ JacobianRow jacobian_row(SphereId id, const Sphere& ball, double area,
   row.emplace_back(id, own);
   std::ranges::sort(row, {}, &JacobianRow::value_type::first);
   return row;
-}
-
-bool is_finite(const BallGradient& g) {
-  const auto all = [](const Vec3d& v, double s) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(s);
-  };
-  return all(g.area_center, g.area_radius) && all(g.volume_center, g.volume_radius);
-}
-
-void require_finite_derivatives(bool finite) {
-  if (finite) return;
-  throw InvalidInput(
-      "the sizes of the spheres or the distances of their centres differ by too many powers of "
-      "ten: derivatives of area and volume are not finite in double precision");
 }
 
 // Throws InvalidInput unless there are no numbers or a finite one for each sphere. `what` they are,
@@ -158,17 +113,33 @@ UnionJacobian joined_rows(const std::vector<JacobianRow>& rows) {
 
 }  // namespace
 
+void require_finite_derivatives(bool finite) {
+  if (finite) return;
+  throw InvalidInput(
+      "the sizes of the spheres or the distances of their centres differ by too many powers of "
+      "ten: derivatives of area and volume are not finite in double precision");
+}
+
+void check_weights(std::span<const double> areas, std::span<const double> volumes,
+                   std::size_t spheres) {
+  check_numbers(areas, spheres, "weights of areas");
+  check_numbers(volumes, spheres, "weights of volumes");
+}
+
 void union_gradients_into(UnionGradients& result, const SphereSet& spheres,
                           const GradientOptions& options) {
-  check_numbers(options.area_weights, spheres.size(), "weights of areas");
-  check_numbers(options.volume_weights, spheres.size(), "weights of volumes");
+  check_weights(options.area_weights, options.volume_weights, spheres.size());
   WorkspaceOfCall workspace(options.workspace);
   auto& arcs = workspace.get<ArcMeasures>();
   std::swap(arcs.per_sphere, result.per_sphere);
   result.gradients.assign(spheres.size(), {});
+  const auto weights_of = [areas = options.area_weights,
+                           volumes = options.volume_weights](SphereId id) -> arcs::BallWeights {
+    return {weight(areas, id), weight(volumes, id)};
+  };
   FaceVisitor visitor;
   visitor.visit = [&](SphereId id, const Sphere& ball, double area, auto faces) {
-    result.gradients[id] = gradient(id, ball, area, faces, options);
+    result.gradients[id] = ball_gradient(ball, area, faces, weights_of(id), weights_of);
   };
   visit_faces(arcs, spheres, visitor, options.monitor, workspace);
   std::swap(arcs.per_sphere, result.per_sphere);

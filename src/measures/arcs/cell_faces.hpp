@@ -36,6 +36,7 @@ class CellFaces {
   // that of s as the fourth number, and of starts less ends.
   std::vector<Position> segments_, ends_;
   std::vector<SharedFace> faces_;
+  std::size_t count_ = 0;
 };
 
 VDWMESH_INLINE void CellFaces::add_segment(const CellView& cell, std::uint32_t a, std::uint32_t b,
@@ -86,36 +87,28 @@ inline void CellFaces::add_corners(const CellView& cell, const BallMeasurer& mea
 VDWMESH_INLINE void CellFaces::add_face(const CellListView& list, const Sphere& ball,
                                         ListPlace other, const Cap& cap, double angle,
                                         const Position& segments, const Position& ends) {
-  // Two spheres touch if the squared distance is this near to the squared sum of the radii:
-  // rounding of either ball's cap must not decide alone whether there is a circle.
-  constexpr double kContact = 1e-15;
   const Sphere& neighbor = list.spheres[other];
-  const Vec3d to = neighbor.center - ball.center;
-  const double r = ball.radius, sum = r + neighbor.radius;
-  if (sum * sum - inner(to, to) <= kContact * sum * sum) return;
-  const double distance = inner(cap.axis, to),
-               power = (neighbor.radius - r) * sum;  // of the other centre less that of this one
-  const double squared = (1 - cap.cosine) * (1 + cap.cosine), twice = segments.at[3];
+  if (only_touch(ball, neighbor)) return;
+  const double r = ball.radius, twice = segments.at[3],
+               squared = (1 - cap.cosine) * (1 + cap.cosine);
   const Vec3d arc = cross(cap.axis, Vec3d{ends.at[0], ends.at[1], ends.at[2]}),
               both{segments.at[0], segments.at[1], segments.at[2]};
   const Vec3d moment =
       (1.0 / 6) * (both - (2 * cap.cosine * twice) * cap.axis) + (squared / 3) * arc;
-  faces_.push_back({.other = list.id[other],
-                    .other_radius = neighbor.radius,
-                    .axis = cap.axis,
-                    .distance = distance,
-                    .height = cap.cosine * r,
-                    .other_height = 0.5 * (distance + power / distance),
-                    .angle = angle,
-                    .arc = r * arc,
-                    .area = 0.5 * (squared * angle + twice) * r * r,
-                    .moment = (r * r * r) * moment});
+  faces_[count_++] = {.other = list.id[other],
+                      .other_radius = neighbor.radius,
+                      .axis = cap.axis,
+                      .plane = shared_plane(ball, neighbor, cap),
+                      .angle = angle,
+                      .arc = r * arc,
+                      .area = 0.5 * (squared * angle + twice) * r * r,
+                      .moment = (r * r * r) * moment};
 }
 
 VDWMESH_INLINE std::span<const SharedFace> CellFaces::read(const CellListView& list,
                                                            ListPlace place, const BallCaps& caps,
                                                            const CutBall& cut) {
-  faces_.clear();
+  count_ = 0;
   const CellView& cell = cut.cell();
   const BallMeasurer& measurer = cut.measurer();
   const bool closed = measurer.is_closed();
@@ -123,6 +116,7 @@ VDWMESH_INLINE std::span<const SharedFace> CellFaces::read(const CellListView& l
   if (segments_.size() < cell.plane_count) {
     segments_.resize(2 * cell.plane_count);
     ends_.resize(2 * cell.plane_count);
+    faces_.resize(2 * cell.plane_count);
   }
   for (const std::uint32_t plane : measurer.planes()) segments_[plane] = ends_[plane] = {};
   add_inner_segments(cell, measurer);
@@ -135,7 +129,7 @@ VDWMESH_INLINE std::span<const SharedFace> CellFaces::read(const CellListView& l
     add_face(list, list.spheres[place], caps.neighbors()[cap], caps.caps()[cap],
              closed ? 0 : measurer.face(plane).angle, segments_[plane], ends_[plane]);
   }
-  return faces_;
+  return {faces_.data(), count_};
 }
 
 }  // namespace vdwmesh::arcs

@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 
 #include "core/vec3.hpp"
+#include "measures/arcs/face_rates.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -19,13 +21,12 @@ namespace vdwmesh {
 struct SharedFace {
   SphereId other;
   double other_radius;
-  Vec3d axis;                   // unit, from the ball's centre to the other one
-  double distance;              // of the centres
-  double height, other_height;  // signed, of the plane over this centre and the other one
-  double angle;                 // exposed, of the circle
-  Vec3d arc;                    // integral over the exposed angle of the arm to the circle
-  double area;                  // of the face
-  Vec3d moment;                 // integral over the face of the place from circle's centre
+  Vec3d axis;               // unit, from the ball's centre to the other one
+  arcs::SharedPlane plane;  // in which the face lies
+  double angle;             // exposed, of the circle
+  Vec3d arc;                // integral over the exposed angle of the arm to the circle
+  double area;              // of the face
+  Vec3d moment;             // integral over the face of the place from circle's centre
 };
 
 // The same face, seen from the other ball.
@@ -34,8 +35,7 @@ inline SharedFace seen_from_other(const SharedFace& face, SphereId ball, double 
   turned.other = ball;
   turned.other_radius = radius;
   turned.axis = -1.0 * face.axis;
-  turned.height = face.other_height;
-  turned.other_height = face.height;
+  std::swap(turned.plane.height, turned.plane.other_height);
   return turned;
 }
 

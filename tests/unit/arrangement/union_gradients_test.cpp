@@ -122,11 +122,12 @@ EightNumbers plain_gradient(const Sphere& ball, double area, std::span<const Sha
   const double r = ball.radius;
   EightNumbers g{0, 0, 0, 2 * area / r, 0, 0, 0, area};
   for (const SharedFace& f : faces) {
-    g[3] += f.angle * (r * r / f.distance - f.height - r * f.other_radius / f.distance);
-    const double along = -f.angle * (r * f.other_height + f.other_radius * f.height) / f.distance;
+    const auto [inverse, height, other_height] = f.plane;
+    g[3] += f.angle * (r * r * inverse - height - r * f.other_radius * inverse);
+    const double along = -f.angle * (r * other_height + f.other_radius * height) * inverse;
     for (int axis = 0; axis < 3; ++axis) {
       const auto k = static_cast<std::size_t>(axis);
-      g[k] += along * f.axis[axis] + (r - f.other_radius) / f.distance * f.arc[axis];
+      g[k] += along * f.axis[axis] + (r - f.other_radius) * inverse * f.arc[axis];
       g[4 + k] -= f.area * f.axis[axis];
     }
   }
