@@ -137,12 +137,14 @@ void settle_exact(Draft& d) {
 // What of the program does not go with the excluded surface, beside what its request refuses.
 void settle_excluded(const Draft& d) {
   if (d.options.exact.surface != ExactSurface::excluded || d.verb == kInterface) return;
-  const std::string other = first_given(d, {"--measure", "--voids", "--gradient"});
+  const std::string other = first_given(d, {"--measure", "--voids"});
   refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
   const bool cuda = d.options.machine.backend == Backend::cuda;
   refuse_if(cuda && d.verb != kExact,
             "--backend cuda: meshes of the excluded surface are made and judged on the CPU; leave "
             "it out");
+  refuse_if(cuda && is_given(d, "--gradient"),
+            "--gradient: of the excluded surface the CPU knows it; leave out --backend cuda");
   refuse_if(cuda && d.measure.topology == TopologyRequest::full,
             "--topology full: shells are found on the CPU; leave out --backend cuda");
 }

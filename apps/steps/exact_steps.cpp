@@ -132,6 +132,20 @@ void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbS
   session.end_stage(&Timing::write);
 }
 
+void write_excluded_gradient(const OutputOptions& output, VerbSession& session) {
+  if (output.gradient.empty()) return;
+  const ExcludedGradients& found = session.report.excluded->complete.gradients.value();
+  if (found.kink_probes + found.kink_atoms > 0) {
+    session.report.note(
+        "{} probes touch more than three atoms or lie in their plane, and {} atoms equal another "
+        "one: area and volume may have no derivative there; the table has finite ones",
+        found.kink_probes, found.kink_atoms);
+  }
+  session.end_progress();
+  write_output(output.gradient, gradient_csv(found.per_atom));
+  session.end_stage(&Timing::write);
+}
+
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {
   if (output.voids.empty()) return;
   session.end_progress();

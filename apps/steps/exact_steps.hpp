@@ -35,6 +35,9 @@ void write_depths(const OutputOptions& output, const Molecule& molecule, double 
 // may have none.
 void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session);
 
+// The same of the excluded surface in the report.
+void write_excluded_gradient(const OutputOptions& output, VerbSession& session);
+
 // Writes the table of voids if --voids names a file. Precondition: the exact union is in the
 // report.
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session);

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vdwmesh._exact import ExactUnion, UnionGradient, exact, sasa
     from vdwmesh._excluded import (
         AccessibleComponent,
+        ExcludedGradient,
         ExcludedMeasures,
         ExcludedShell,
         ExcludedSurface,
@@ -68,6 +69,7 @@ __all__ = [
     "Distribution",
     "Error",
     "ExactUnion",
+    "ExcludedGradient",
     "ExcludedMeasures",
     "ExcludedShell",
     "ExcludedSurface",
@@ -122,7 +124,7 @@ _HOMES = {
     "compare quality signed_distance",
     "_cuda": "CudaArray CudaAtoms CudaMesh",
     "_exact": "ExactUnion UnionGradient exact sasa",
-    "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
+    "_excluded": "AccessibleComponent ExcludedGradient ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
     "_interface": "Complementarity Interface Interfaces interface",
     "_measure": "Counts Topology Void",

@@ -190,12 +190,12 @@ def exact(
     if weights is not None and not gradient:
         raise InvalidInput("weights: are those of a gradient; say gradient=True")
     if _core.is_excluded(surface):
-        if gradient:
-            raise InvalidInput(f'gradient: does not go with surface="{surface}"; leave one of them out')
+        if weights is not None:
+            raise InvalidInput(f'weights: do not go with surface="{surface}"; leave one of them out')
         if atoms is not None:
             raise InvalidInput(f'atoms: does not go with surface="{surface}"; leave one of them out')
         arrays = arrays_of(coords, radii)[:2]
-        return measure_excluded(*arrays, probe, topology, threads, device, method=method)
+        return measure_excluded(*arrays, probe, topology, threads, device, gradient, method=method)
     if gradient:
         options = Options.of(probe, topology, threads, device, surface=surface, method=method)
         return _with_gradient(*arrays_of(coords, radii)[:2], options, atoms, weights)

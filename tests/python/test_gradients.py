@@ -83,6 +83,22 @@ class TorchTest(unittest.TestCase):
         self.assertEqual(coords.grad.dtype, torch.float32)
         self.assertAlmostEqual(float(coords.grad[1, 0]), 2 * np.pi, places=5)  # area is 2 pi (2 + d)
 
+    def test_excluded_surface(self):
+        """Three balls: by differences, and twice the area and three times the volume by scaling."""
+        coords, radii, probe = np.array([[0.0, 0, 0], [2.4, 0.3, 0], [1.1, 2.2, 0.4]]), np.array([1.7, 1.5, 1.6]), 1.4
+        found = vdwmesh.exact(coords, radii, surface="ses", probe=probe, gradient=True)
+        g = found.gradient
+        scaled = (coords * g.area_coords).sum() + (radii * g.area_radii).sum() + probe * g.area_probe
+        self.assertAlmostEqual(scaled, 2 * found.area, delta=1e-10 * found.area)
+        scaled = (coords * g.volume_coords).sum() + (radii * g.volume_radii).sum() + probe * g.volume_probe
+        self.assertAlmostEqual(scaled, 3 * found.volume, delta=1e-10 * found.volume)
+        step, move = 1e-4, np.zeros((3, 3))
+        move[1, 0] = step
+        areas = [vdwmesh.exact(coords + sign * move, radii, surface="ses", probe=probe).area for sign in (1, -1)]
+        self.assertAlmostEqual((areas[0] - areas[1]) / (2 * step), g.area_coords[1, 0], delta=1e-6)
+        self.assertEqual((g.kink_probes, g.kink_atoms), (0, 0))
+        self.assertIsNone(vdwmesh.exact(coords, radii, surface="ses").gradient)
+
 
 if __name__ == "__main__":
     unittest.main()
