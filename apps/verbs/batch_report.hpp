@@ -1,4 +1,4 @@
-// Rows of `vdwmesh batch --verb report` and `--verb interface`.
+// Rows of `vdwmesh batch --verb report` and of its interfaces.
 #pragma once
 
 #include <optional>

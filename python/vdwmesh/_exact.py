@@ -113,6 +113,7 @@ def exact(
     method: str = "auto",
     threads: int | None = None,
     device: str = "auto",
+    gradient: bool = False,
 ) -> ExcludedMeasures: ...
 def exact(
     coords: Any,
@@ -161,7 +162,7 @@ def exact(
         the excluded surface "auto" is the CPU, and "cuda" leaves topology and exterior out.
     gradient : bool
         Whether the derivatives of area and volume are computed in the same pass, on the CPU. It is of
-        all atoms, by "arcs".
+        all atoms; that of a union by "arcs".
     weights : array_like, shape (N,), or a tuple of two, optional
         The gradient is that of the sum of weight times area of each atom, and of the same with
         volumes; a tuple has the weights of areas and of volumes. None stands for weights of 1.
