@@ -153,9 +153,9 @@ void settle_excluded(const Draft& d) {
 void settle_interface(Draft& d) {
   if (is_of_interfaces(d))
     d.options.distances.distances = is_given(d, "--samples") ? Switch::on : Switch::off;
-  refuse_if(d.verb == kInterface && d.read.groups.size() == 1,
-            "SIDE {}: an interface has two sides; name another one, or none for all chains",
-            d.read.groups.front());
+  if (d.verb == kInterface && d.read.groups.size() == 1)
+    refuse("SIDE {}: an interface has two sides; name another one, or none for all chains",
+           d.read.groups.front());
 }
 
 void settle_distances(const Draft& d) {

@@ -174,6 +174,31 @@ Complementarity fit_of(const Molecule& molecule, const Sides& sides, const Inter
                          atoms_of_side(molecule, sides, pair.b), options);
 }
 
+// Measures each side once, when its first pair comes.
+class SideSurfaces {
+ public:
+  SideSurfaces(const Molecule& molecule, const Sides& sides, double probe, Monitor* monitor)
+      : molecule_(molecule), sides_(sides), probe_(probe), monitor_(monitor) {}
+
+  ExcludedBurial burial(const Interface& pair) {
+    std::vector<Sphere> both;
+    for (const std::int32_t side : {pair.a, pair.b}) {
+      const SphereSet atoms = atoms_of_side(molecule_, sides_, side);
+      both.insert(both.end(), atoms.spheres().begin(), atoms.spheres().end());
+      if (!alone_.contains(side)) alone_[side] = surface_of_side(atoms, probe_, monitor_);
+    }
+    return excluded_burial(alone_[pair.a], alone_[pair.b],
+                           surface_of_side(SphereSet(std::move(both)), probe_, monitor_));
+  }
+
+ private:
+  const Molecule& molecule_;
+  const Sides& sides_;
+  double probe_;
+  Monitor* monitor_;
+  std::map<std::int32_t, ExcludedSurface> alone_;
+};
+
 }  // namespace
 
 Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selections) {
@@ -201,15 +226,13 @@ Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
   Interfaces found = interfaces(structure.spheres, sides.of_atom, session.monitor);
   if (!input.read.groups.empty()) add_pairs_apart(found);
   std::vector<InterfaceReport>& reports = session.report.interfaces.emplace();
+  SideSurfaces surfaces(structure.molecule, sides, input.probe, session.monitor);
   for (const Interface& pair : found.pairs) {
     reports.push_back(report_of(structure, sides, found, pair));
     InterfaceReport& report = reports.back();
     if (choice.fit.distances == Switch::on)
       report.complementarity = fit_of(structure.molecule, sides, pair, input, choice.fit, session);
-    if (choice.surface == ExactSurface::excluded)
-      report.excluded = excluded_burial(atoms_of_side(structure.molecule, sides, pair.a),
-                                        atoms_of_side(structure.molecule, sides, pair.b),
-                                        input.probe, session.monitor);
+    if (choice.surface == ExactSurface::excluded) report.excluded = surfaces.burial(pair);
   }
   warn_of_clashes(structure.molecule, found.pairs, input.probe, session.report);
   if (found.pairs.empty()) session.report.notes.emplace_back("no two chains touch");

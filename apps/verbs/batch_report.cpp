@@ -22,16 +22,31 @@ Session session_of(const Options& options, const BatchOptions& one) {
   return session;
 }
 
-void report_into(ReportRow& row, const NamedStructure& source, Options options,
-                 const BatchOptions& one) {
-  Session session = session_of(options, one);
-  options.machine = session.machine;
-  const InputOptions& input = options.inputs.front();
+// Reads a structure and describes it in its row and in the report.
+Structure read_into(BatchRow& row, const NamedStructure& source, const InputOptions& input,
+                    const BatchOptions& one, Session& session) {
   Molecule molecule = read_named_structure(source, one.read);
   describe_input(molecule, row);
   describe_input(molecule, input, session);
   SphereSet spheres = to_spheres(molecule, input.probe);
-  const Structure structure{std::move(molecule), std::move(spheres)};
+  return {std::move(molecule), std::move(spheres)};
+}
+
+// The row of a structure; with its error if `fill` refuses it.
+template <class Row, class Fill>
+Row row_of(const NamedStructure& structure, const Fill& fill) {
+  Row row;
+  row.name = structure.name;
+  row.content = content_of(structure);
+  row.error = refusal_of([&] { fill(row); });
+  return row;
+}
+
+void report_into(ReportRow& row, const NamedStructure& source, Options options,
+                 const BatchOptions& one) {
+  Session session = session_of(options, one);
+  options.machine = session.machine;
+  const Structure structure = read_into(row, source, options.inputs.front(), one, session);
   const IndexedMesh mesh =
       make_measured_mesh(structure.spheres, with_edge_lengths(options, structure), session);
   measure_exactly(structure.spheres, options.exact, session, measured_spheres(structure.molecule));
@@ -51,11 +66,7 @@ void interfaces_into(InterfaceRow& row, const NamedStructure& source, const Opti
                      const BatchOptions& one) {
   Session session = session_of(options, one);
   const InputOptions& input = options.inputs.front();
-  Molecule molecule = read_named_structure(source, one.read);
-  describe_input(molecule, row);
-  describe_input(molecule, input, session);
-  SphereSet spheres = to_spheres(molecule, input.probe);
-  const Structure structure{std::move(molecule), std::move(spheres)};
+  const Structure structure = read_into(row, source, input, one, session);
   one.check(structure.spheres);
   measure_interfaces(structure, sides_of(structure.molecule, {}), input,
                      {options.distances, options.exact.surface}, session);
@@ -67,20 +78,14 @@ void interfaces_into(InterfaceRow& row, const NamedStructure& source, const Opti
 
 InterfaceRow make_interface_row(const NamedStructure& structure, const Options& options,
                                 const BatchOptions& one) {
-  InterfaceRow row;
-  row.name = structure.name;
-  row.content = content_of(structure);
-  row.error = refusal_of([&] { interfaces_into(row, structure, options, one); });
-  return row;
+  return row_of<InterfaceRow>(
+      structure, [&](InterfaceRow& row) { interfaces_into(row, structure, options, one); });
 }
 
 ReportRow make_report_row(const NamedStructure& structure, const Options& options,
                           const BatchOptions& one) {
-  ReportRow row;
-  row.name = structure.name;
-  row.content = content_of(structure);
-  row.error = refusal_of([&] { report_into(row, structure, options, one); });
-  return row;
+  return row_of<ReportRow>(structure,
+                           [&](ReportRow& row) { report_into(row, structure, options, one); });
 }
 
 }  // namespace vdwmesh::apps

@@ -1,4 +1,4 @@
-// Rows of `vdwmesh batch --verb report` and of its interfaces.
+// Rows of `vdwmesh batch` for the verbs report and interface.
 #pragma once
 
 #include <optional>

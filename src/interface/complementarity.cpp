@@ -161,31 +161,39 @@ double squared_distance(const Vec3d& point, const BuriedSamples& other, SphereId
   return squared - height * height <= kSpacings * kSpacings / density ? height * height : squared;
 }
 
-double median_fit(const BuriedSamples& own, const BuriedSamples& other, double density,
-                  const ComplementarityOptions& options) {
+// For each point of one side value(i, sample, weight), with the nearest sample of the other side
+// and exp(-w d²) of the distance d to the surface there; 0 where none is near.
+template <class Value>
+std::vector<double> by_nearest(const BuriedSamples& own, const BuriedSamples& other, double density,
+                               const ComplementarityOptions& options, const Value& value) {
   const PointSearch search(other.points);
-  std::vector<double> fits(own.points.size());
-  for_each_index(fits.size(), [&](std::size_t i) {
+  std::vector<double> values(own.points.size());
+  for_each_index(values.size(), [&](std::size_t i) {
     const auto nearest = search.nearest(own.points[i], kFarthest);
     if (!nearest) return;
     const double squared = squared_distance(own.points[i], other, *nearest, density);
-    fits[i] = -dot(own.normals[i], other.normals[*nearest]) * std::exp(-options.weight * squared);
+    values[i] = value(i, *nearest, std::exp(-options.weight * squared));
   });
+  return values;
+}
+
+double median_fit(const BuriedSamples& own, const BuriedSamples& other, double density,
+                  const ComplementarityOptions& options) {
+  std::vector<double> fits =
+      by_nearest(own, other, density, options, [&](std::size_t i, SphereId sample, double weight) {
+        return -dot(own.normals[i], other.normals[sample]) * weight;
+      });
   return median_of(fits);
 }
 
 double contact_surface(const BuriedSamples& own, const BuriedSamples& other, double density,
                        const ComplementarityOptions& options) {
-  const PointSearch search(other.points);
-  std::vector<double> weights(own.points.size());
-  for_each_index(weights.size(), [&](std::size_t i) {
-    const auto nearest = search.nearest(own.points[i], kFarthest);
-    if (!nearest) return;
-    const double squared = squared_distance(own.points[i], other, *nearest, density);
-    weights[i] = std::exp(-options.weight * squared);
-  });
   WideSum sum;
-  for (const double weight : weights) sum.add(weight);
+  for (const double weight :
+       by_nearest(own, other, density, options,
+                  [](std::size_t, SphereId, double at_sample) { return at_sample; })) {
+    sum.add(weight);
+  }
   return sum.value() / density;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/monitor.hpp"
+#include "excluded/excluded_measures.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -17,10 +18,14 @@ struct ExcludedBurial {
   double gap_volume;
 };
 
-// `a` and `b` are the atoms of the sides, without the probe (Å). Each surface is the complete one
-// of excluded_measures.hpp. The result does not depend on the number of threads. Throws as
-// excluded_measures() does.
-ExcludedBurial excluded_burial(const SphereSet& a, const SphereSet& b, double probe,
-                               Monitor* monitor = nullptr);
+// The complete surface of a side, or of a pair, with the shares of its atoms. `atoms` are without
+// the probe (Å). The result does not depend on the number of threads. Throws as excluded_measures()
+// does.
+ExcludedSurface surface_of_side(const SphereSet& atoms, double probe, Monitor* monitor = nullptr);
+
+// Of surface_of_side() of both sides, and of the pair: the atoms of a, then those of b. So a side
+// of several pairs is measured once.
+ExcludedBurial excluded_burial(const ExcludedSurface& a, const ExcludedSurface& b,
+                               const ExcludedSurface& pair);
 
 }  // namespace vdwmesh

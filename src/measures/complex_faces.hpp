@@ -11,8 +11,8 @@
 
 namespace vdwmesh {
 
-// Shows the wanted balls and their faces to the visitor, one by one, and stores their measures as
-// per_sphere[id]. `near`: as of set_reference_measures().
+// Shows the wanted balls, which stand in any order, and their faces to the visitor, one by one, and
+// stores their measures as per_sphere[id]. `near`: as of set_reference_measures().
 void visit_by_triangulation(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
                             std::span<SphereMeasures> per_sphere, FaceVisitor& visitor);
 

@@ -29,6 +29,7 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
+#include "measures/arcs/ball_gradient.hpp"
 #include "spheres/directions.hpp"
 
 namespace vdwmesh::excluded {
@@ -311,13 +312,8 @@ std::uint64_t equal_atoms(const SphereSet& atoms) {
 }
 
 void require_finite_gradients(const ExcludedGradients& gradients) {
-  const auto is_finite = [](const BallGradient& g) {
-    const auto [a, v] = std::pair(g.area_center, g.volume_center);
-    return std::isfinite(a.x + a.y + a.z + g.area_radius) &&
-           std::isfinite(v.x + v.y + v.z + g.volume_radius);
-  };
   if (std::isfinite(gradients.area_probe) && std::isfinite(gradients.volume_probe) &&
-      std::all_of(gradients.per_atom.begin(), gradients.per_atom.end(), is_finite)) {
+      std::ranges::all_of(gradients.per_atom, is_finite)) {
     return;
   }
   throw InvalidInput(

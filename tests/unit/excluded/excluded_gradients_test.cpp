@@ -18,6 +18,7 @@
 #include "excluded/excluded_measures.hpp"
 #include "reference/cages.hpp"
 #include "support/family_sets.hpp"
+#include "support/gradient_identities.hpp"
 #include "support/shared_files.hpp"
 #include "support/worst.hpp"
 #include "support/xyzr.hpp"
@@ -317,48 +318,16 @@ TEST(ExcludedGradients, DifferencesOfTheExteriorSurface) {
 
 // ---- Identities
 
-// Sums over a set that rounding keeps from what they are in mathematics, beside the sum of sizes.
-struct Balance {
-  double sum = 0, size = 0;
-  void add(double term) {
-    sum += term;
-    size += std::abs(term);
-  }
-};
-
-// Translation, rotation and scaling: Σ ∂ = 0, Σ x × ∂ = 0, Σ x·∂x + r ∂r + p ∂p = 2 A or 3 V.
+// The probe is a length too.
 void expect_identities(const std::vector<Sphere>& atoms, double probe) {
   const ExcludedSurface s = measured(atoms, probe).complete;
   const ExcludedGradients& g = *s.gradients;
-  Balance area_sum, volume_sum, area_torque, volume_torque, area_scale, volume_scale;
-  double reach = 0;
-  for (std::size_t i = 0; i < atoms.size(); ++i) {
-    const BallGradient& d = g.per_atom[i];
-    const Vec3d x = atoms[i].center - atoms[0].center;
-    for (int axis = 0; axis < 3; ++axis) {
-      area_sum.add(d.area_center[axis]);
-      volume_sum.add(d.volume_center[axis]);
-      area_torque.add(cross(x, d.area_center)[axis]);
-      volume_torque.add(cross(x, d.volume_center)[axis]);
-      area_scale.add(x[axis] * d.area_center[axis]);
-      volume_scale.add(x[axis] * d.volume_center[axis]);
-      reach = std::max(reach, std::abs(x[axis]));
-    }
-    area_scale.add(atoms[i].radius * d.area_radius);
-    volume_scale.add(atoms[i].radius * d.volume_radius);
-  }
-  area_scale.add(probe * g.area_probe);
-  volume_scale.add(probe * g.volume_probe);
-  area_scale.add(-2 * s.area);
-  volume_scale.add(-3 * s.volume);
+  GradientIdentities identities(atoms[0].center);
+  for (std::size_t i = 0; i < atoms.size(); ++i) identities.add(atoms[i], g.per_atom[i]);
+  identities.add_scaling(probe * g.area_probe, probe * g.volume_probe);
+  identities.add_scaling(-2 * s.area, -3 * s.volume);
   // Terms are right to 1e-12 of their sizes, those of probes near the plane of their atoms to 1e-9.
-  constexpr double kError = 1e-9;
-  EXPECT_LE(std::abs(area_sum.sum), kError * (1 + area_sum.size));
-  EXPECT_LE(std::abs(volume_sum.sum), kError * (1 + volume_sum.size));
-  EXPECT_LE(std::abs(area_torque.sum), kError * (1 + reach) * (1 + area_sum.size));
-  EXPECT_LE(std::abs(volume_torque.sum), kError * (1 + reach) * (1 + volume_sum.size));
-  EXPECT_LE(std::abs(area_scale.sum), kError * (1 + area_scale.size));
-  EXPECT_LE(std::abs(volume_scale.sum), kError * (1 + volume_scale.size));
+  identities.expect_within(1e-9);
 }
 
 TEST(ExcludedGradients, IdentitiesOnSetsUnlikeProteins) {

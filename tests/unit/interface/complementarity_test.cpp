@@ -77,6 +77,25 @@ TEST(Complementarity, TwoBallsFitAsTheirClosedForms) {
   }
 }
 
+// Atoms that cannot have a part in the buried surfaces are left out before these are made. Rows of
+// balls behind both sides, of which the first ones are kept, change nothing in front.
+TEST(Complementarity, AtomsFarBehindChangeNothing) {
+  const TwoBalls balls{6, 6, 13};
+  const ComplementarityOptions o;
+  const auto row_from = [](double z, double step) {
+    std::vector<Sphere> row;
+    for (int i = 0; i < 12; ++i) row.push_back({{0.3, -0.2, z + i * step}, 6});
+    return SphereSet(std::move(row));
+  };
+  const Complementarity found = complementarity(row_from(0, -8), row_from(balls.d, 8), o);
+  const double a = median(balls, o), b = median(balls.swapped(), o);
+  EXPECT_NEAR(found.sc, 0.5 * (a + b), 2 * o.tolerance);
+  const double cap = 2 * std::numbers::pi * balls.a * balls.a * (1 - balls.rim_cosine(o.probe));
+  EXPECT_NEAR(found.buried_a, cap, 0.01 * cap);
+  EXPECT_NEAR(found.buried_b, cap, 0.01 * cap);
+  EXPECT_NEAR(found.contact_a, contact(balls, o), 0.01 * contact(balls, o));
+}
+
 TEST(Complementarity, SidesApartHaveNone) {
   const Complementarity far = complementarity(ball_at(0, 2), ball_at(50, 2));
   EXPECT_TRUE(std::isnan(far.sc));

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "core/errors.hpp"
 
@@ -15,6 +17,13 @@ namespace {
 constexpr double kHalfTurn = std::numbers::pi;
 
 SphereSet lone_ball(double z, double radius) { return SphereSet({{{0.3, -0.2, z}, radius}}); }
+
+ExcludedBurial burial_of(const SphereSet& a, const SphereSet& b, double probe) {
+  std::vector<Sphere> both(a.spheres().begin(), a.spheres().end());
+  both.insert(both.end(), b.spheres().begin(), b.spheres().end());
+  return excluded_burial(surface_of_side(a, probe), surface_of_side(b, probe),
+                         surface_of_side(SphereSet(std::move(both)), probe));
+}
 
 // Two balls of radius r at a distance d, and a probe p that does not reach the axis between them: a
 // torus with the tube p around a circle of radius h, of which the part is seen whose angle at the
@@ -41,7 +50,7 @@ struct Dumbbell {
 TEST(ExcludedBurial, TwoBallsAreTheirClosedForms) {
   for (const Dumbbell& w : {Dumbbell{2, 5, 1.4}, Dumbbell{1.7, 3.9, 1.4}, Dumbbell{3, 6.5, 2}}) {
     ASSERT_GT(w.circle(), w.p);
-    const ExcludedBurial found = excluded_burial(lone_ball(0, w.r), lone_ball(w.d, w.r), w.p);
+    const ExcludedBurial found = burial_of(lone_ball(0, w.r), lone_ball(w.d, w.r), w.p);
     const double ball = 4 * kHalfTurn * w.r * w.r, buried = 2 * w.cap() - w.saddle();
     EXPECT_NEAR(found.area_a, ball, 1e-12 * ball);
     EXPECT_NEAR(found.area_in_pair, 2 * ball - buried, 1e-11 * ball);
@@ -52,14 +61,14 @@ TEST(ExcludedBurial, TwoBallsAreTheirClosedForms) {
 }
 
 TEST(ExcludedBurial, SidesApartBuryNothing) {
-  const ExcludedBurial found = excluded_burial(lone_ball(0, 2), lone_ball(50, 3), 1.4);
+  const ExcludedBurial found = burial_of(lone_ball(0, 2), lone_ball(50, 3), 1.4);
   EXPECT_NEAR(found.buried_a, 0, 1e-10);
   EXPECT_NEAR(found.gap_volume, 0, 1e-9);
 }
 
 TEST(ExcludedBurial, BadInputIsRefused) {
-  EXPECT_THROW(excluded_burial(SphereSet(), lone_ball(0, 1), 1.4), InvalidInput);
-  EXPECT_THROW(excluded_burial(lone_ball(0, 1), lone_ball(3, 1), 0), InvalidInput);
+  EXPECT_THROW(surface_of_side(SphereSet(), 1.4), InvalidInput);
+  EXPECT_THROW(surface_of_side(lone_ball(0, 1), 0), InvalidInput);
 }
 
 }  // namespace
