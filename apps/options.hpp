@@ -56,7 +56,7 @@ struct Shard {
 };
 
 // The verb whose figures the rows of a batch have.
-enum class BatchVerb { exact, report };
+enum class BatchVerb { exact, report, interface };
 
 struct BatchChoice {
   BatchVerb verb = BatchVerb::exact;
@@ -68,7 +68,7 @@ struct BatchChoice {
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
-  std::string json, per_atom, voids, csv;
+  std::string json, per_atom, voids, csv, gradient, depth;
   AtomGroup group = AtomGroup::atom;
 };
 

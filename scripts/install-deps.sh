@@ -33,7 +33,7 @@ for group in "$@"; do
     witnesses)
       packages+=(python3-vtk9 assimp-utils admesh python3-gudhi voronota python3-ase python3-biopython
       python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d
-      parallel snakemake python3-dask python3-mpi4py) ;;
+      parallel snakemake python3-dask python3-mpi4py python3-torch) ;;
     docs) packages+=(doxygen python3-markdown) ;;
     manual) packages+=(man-db groff zsh) ;;
     packages) packages+=(dpkg-dev file lintian debootstrap) ;;

@@ -35,8 +35,10 @@ inline constexpr auto kNames<apps::AtomGroup> =
                             {"residue", apps::AtomGroup::residue},
                             {"chain", apps::AtomGroup::chain}});
 template <>
-inline constexpr auto kNames<apps::BatchVerb> = names<apps::BatchVerb>(
-    {{"exact", apps::BatchVerb::exact}, {"report", apps::BatchVerb::report}});
+inline constexpr auto kNames<apps::BatchVerb> =
+    names<apps::BatchVerb>({{"exact", apps::BatchVerb::exact},
+                            {"report", apps::BatchVerb::report},
+                            {"interface", apps::BatchVerb::interface}});
 template <>
 inline constexpr auto kNames<apps::RowFormat> =
     names<apps::RowFormat>({{"jsonl", apps::RowFormat::jsonl}, {"csv", apps::RowFormat::csv}});

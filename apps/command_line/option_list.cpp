@@ -174,6 +174,10 @@ std::vector<Option> surface_options(Draft& d) {
        "which one: the boundary of the balls, the accessible surface (the same with --probe 1.4), "
        "or the solvent-excluded one",
        by_default("vdw")},
+      {"--surface", kInterface, one(d.measure.surface, named<SurfaceChoice>()),
+       "sas, or ses: what is buried of the solvent-excluded surface as well, and the gap between "
+       "the sides",
+       by_default("sas")},
       {"--mesher", kSurfaces | kRanksMesh, one(m.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
        otherwise(d.verb == kRanksMesh
@@ -263,8 +267,11 @@ std::vector<Option> measure_options(Draft& d) {
        "between mesh and exact surface", by_default("on")},
       {"--samples", kDistances, one(c.samples_per_area, density()), "of --distances, per Å²",
        by_default("10")},
-      {"--seed", kDistances, one(c.seed, whole<std::uint64_t>(0, 4'294'967'295)), "of the samples",
-       by_default("1")},
+      {"--samples", kInterface, one(c.samples_per_area, density()),
+       "shape complementarity (Sc) as well, with so many samples per Å² to begin with",
+       otherwise("none, and no Sc")},
+      {"--seed", kDistances | kInterface, one(c.seed, whole<std::uint64_t>(0, 4'294'967'295)),
+       "of the samples", by_default("1")},
       {"--self-intersections", kReport | kCompare | kStudy | kBatch,
        one(o.self_intersections, named<SelfIntersections>()), "count them; auto is on",
        by_default("auto")},
@@ -381,7 +388,13 @@ std::vector<Option> output_options(Draft& d) {
       {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the same as -o",
        no_default(), "-o"},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
-       "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"}};
+       "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"},
+      {"--depth", kExact, one(o.output.depth, text("FILE"), Use::writes),
+       "CSV of how deep atoms, or residues in the mean (--group), lie below the accessible, the "
+       "excluded and its exterior surface, Å; - is standard output"},
+      {"--gradient", kExact, one(o.output.gradient, text("FILE"), Use::writes),
+       "CSV of the derivatives of area and volume by each atom's centre and radius; - is standard "
+       "output"}};
 }
 
 // What --help lists of verbs that take structures; --help-all lists the others too.
@@ -395,9 +408,10 @@ constexpr std::string_view kUsual[] = {
 
 // Options of verbs that take structures which are read and not shown.
 constexpr std::string_view kUnseen[] = {
-    "--csv",  "--hetatm",     "--preset",         "--isovalue",    "--blobbiness", "--crossings",
-    "--seed", "--cgal-check", "--devices",        "--camera",      "--shading",    "--antialias",
-    "--rows", "--time-limit", "--page-triangles", "--edge-lengths"};
+    "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
+    "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
+    "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
+    "--edge-lengths", "--relative-edge", "--padding"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

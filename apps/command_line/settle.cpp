@@ -99,6 +99,10 @@ void settle_render(const Draft& d) {
   }
 }
 
+bool is_of_interfaces(const Draft& d) {
+  return d.verb == kInterface || (d.verb == kBatch && d.options.batch.verb == BatchVerb::interface);
+}
+
 // Ranks have the arcs alone, and so have batches unless more is asked for.
 void settle_exact(Draft& d) {
   MeasureRequest& m = d.measure;
@@ -110,29 +114,45 @@ void settle_exact(Draft& d) {
     m.method = UnionMethod::arcs, m.topology = m.topology.value_or(TopologyRequest::counts);
   const bool fast = d.verb == kBatch && d.options.batch.verb == BatchVerb::exact &&
                     m.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
-  if (d.verb == kInterface) m.surface = SurfaceChoice::sas;
+  const bool of_excluded = d.verb == kInterface && m.surface == SurfaceChoice::ses;
+  if (d.verb == kInterface && is_given(d, "--surface"))
+    refuse_if(
+        m.surface == SurfaceChoice::vdw,
+        "--surface vdw: balls without a probe bury nothing that a solvent sees; choose sas or "
+        "ses");
+  if (is_of_interfaces(d)) m.surface = SurfaceChoice::sas;
   if (fast) m.usual_topology = TopologyRequest::none;
   m.backend = d.options.machine.backend;
   d.options.exact = settle(m);
+  if (of_excluded) d.options.exact.surface = ExactSurface::excluded;
   refuse_if(!d.options.output.voids.empty() && d.options.exact.topology != TopologyRequest::full,
             "--voids: needs the whole topology; leave out {}",
             first_given(d, {"--topology", "--method", "--exact"}));
+  refuse_if(!d.options.output.depth.empty() && !(d.options.exact.probe > 0),
+            "--depth: needs a probe; add --surface sas or --surface ses");
+  refuse_if(!d.options.output.gradient.empty() && is_given(d, "--measure"),
+            "--gradient: is of the whole union; leave out --measure");
 }
 
 // What of the program does not go with the excluded surface, beside what its request refuses.
 void settle_excluded(const Draft& d) {
-  if (d.options.exact.surface != ExactSurface::excluded) return;
+  if (d.options.exact.surface != ExactSurface::excluded || d.verb == kInterface) return;
   const std::string other = first_given(d, {"--measure", "--voids"});
   refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
   const bool cuda = d.options.machine.backend == Backend::cuda;
   refuse_if(cuda && d.verb != kExact,
             "--backend cuda: meshes of the excluded surface are made and judged on the CPU; leave "
             "it out");
+  refuse_if(cuda && is_given(d, "--gradient"),
+            "--gradient: of the excluded surface the CPU knows it; leave out --backend cuda");
   refuse_if(cuda && d.measure.topology == TopologyRequest::full,
             "--topology full: shells are found on the CPU; leave out --backend cuda");
 }
 
-void settle_interface(const Draft& d) {
+// Shape complementarity is for who asks for it.
+void settle_interface(Draft& d) {
+  if (is_of_interfaces(d))
+    d.options.distances.distances = is_given(d, "--samples") ? Switch::on : Switch::off;
   refuse_if(d.verb == kInterface && d.read.groups.size() == 1,
             "SIDE {}: an interface has two sides; name another one, or none for all chains",
             d.read.groups.front());
@@ -164,8 +184,8 @@ void settle_output(const Draft& d) {
   } else if (!path.empty()) {
     mesh_format(path);
   }
-  refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
-            "--group: says how --per-atom FILE is grouped; add that");
+  refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom") && !is_given(d, "--depth"),
+            "--group: says how --per-atom FILE is grouped; add that or --depth FILE");
 }
 
 // Where nothing can draw, that is said before any work.
@@ -184,8 +204,13 @@ void settle_picture(const Draft& d) {
 
 // Options of the mesh would be without effect where none is made.
 void settle_batch_verb(const Draft& d) {
+  const bool of_interfaces = is_of_interfaces(d);
   if (d.options.batch.verb == BatchVerb::report) return;
   for (const auto& [name, group] : d.given) {
+    const bool of_union = name == "--measure" || name == "--method" || name == "--topology";
+    refuse_if(of_interfaces && of_union, "{}: does not go with --verb interface; leave it out",
+              name);
+    if (of_interfaces && (name == "--samples" || name == "--seed")) continue;
     const bool of_mesh = group == kSurfaceGroup || name == "--distances" || name == "--samples" ||
                          name == "--seed" || name == "--self-intersections" ||
                          name == "--cgal-check";

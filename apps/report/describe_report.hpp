@@ -245,6 +245,51 @@ void describe(A& a, const BackendReport& backend) {
   a("devices", backend.devices), a("threads", backend.threads);
 }
 
+template <class A>
+void describe(A& a, const Complementarity& fit) {
+  a("sc", fit.sc), a("error", fit.error);
+  a("median_a", fit.median_a), a("median_b", fit.median_b);
+  a("fitted_a", fit.fitted_a), a("fitted_b", fit.fitted_b);
+  a("excluded_buried_a", fit.buried_a), a("excluded_buried_b", fit.buried_b);
+  a("contact_surface_a", fit.contact_a), a("contact_surface_b", fit.contact_b);
+  a("samples_per_area", fit.density);
+}
+
+template <class A>
+void describe(A& a, const ExcludedBurial& excluded) {
+  a("buried_area", excluded.buried_a + excluded.buried_b);
+  a("buried_a", excluded.buried_a), a("buried_b", excluded.buried_b);
+  a("area_a", excluded.area_a), a("area_b", excluded.area_b);
+  a("area_in_pair", excluded.area_in_pair), a("gap_volume", excluded.gap_volume);
+}
+
+template <class A>
+void describe(A& a, const SideReport& side) {
+  a("area", side.area), a("area_in_pair", side.area_in_pair);
+  a("area_in_whole", side.area_in_whole), a("buried_area", side.buried_area);
+  a("atoms", side.atoms), a("residues", side.residues);
+}
+
+template <class A>
+void describe(A& a, const ResidueContact& contact) {
+  a("a", contact.a), a("b", contact.b), a("area", contact.area);
+}
+
+template <class A>
+void describe(A& a, const InterfaceReport& interface) {
+  a("a", interface.a), a("b", interface.b);
+  a("buried_area", interface.buried_area);
+  a("buried_a", interface.side_a.buried_area), a("buried_b", interface.side_b.buried_area);
+  a("buried_polar", of(interface.buried_by_polarity, &AreaByPolarity::polar));
+  a("buried_apolar", of(interface.buried_by_polarity, &AreaByPolarity::apolar));
+  a("buried_unclassified", of(interface.buried_by_polarity, &AreaByPolarity::unclassified));
+  a("contact_area", interface.contact_area);
+  a("side_a", interface.side_a), a("side_b", interface.side_b);
+  a("contacts", interface.contacts);
+  a("complementarity", interface.complementarity);
+  a("excluded", interface.excluded);
+}
+
 // Nothing where memory is not limited.
 inline std::optional<std::uint64_t> limit_of(std::uint64_t memory_limit) {
   return memory_limit == kNoMemoryLimit ? std::nullopt : std::optional(memory_limit);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -172,6 +173,29 @@ std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<Exclu
   return csv;
 }
 
+std::string depth_csv(const Molecule& molecule, double probe, const AtomDepths& depths,
+                      AtomGroup group) {
+  std::vector<std::size_t> row_of_atom;
+  std::vector<AtomRow> rows = make_rows(molecule, group, row_of_atom);
+  std::vector<std::array<WideSum, 2>> sums(rows.size());  // complete, exterior
+  for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
+    ++rows[row_of_atom[i]].atoms;
+    sums[row_of_atom[i]][0].add(depths.complete[i]);
+    sums[row_of_atom[i]][1].add(depths.exterior[i]);
+  }
+  std::string csv =
+      "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,"
+      "depth_accessible,depth_excluded,depth_exterior,segment\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    print_place(csv, rows[r], 0);
+    const auto atoms = static_cast<double>(rows[r].atoms);
+    const double complete = sums[r][0].value() / atoms, exterior = sums[r][1].value() / atoms;
+    csv +=
+        fmt::format(",{},{},{}{}\n", complete + probe, complete, exterior, segment_field(rows[r]));
+  }
+  return csv;
+}
+
 std::string interface_csv(const InterfaceTable& table) {
   const auto& [molecule, probe, sides, side_of_atom, found, group] = table;
   struct Loss {
@@ -211,6 +235,16 @@ std::string interface_csv(const InterfaceTable& table) {
       csv += fmt::format(",{},{},{},{},{}{}\n", area, area - buried, areas[row][1].value(), buried,
                          contact, segment_field(rows[row]));
     }
+  }
+  return csv;
+}
+
+std::string gradient_csv(const std::vector<BallGradient>& gradients) {
+  std::string csv = "dA_dx,dA_dy,dA_dz,dA_dr,dV_dx,dV_dy,dV_dz,dV_dr\n";
+  for (const BallGradient& g : gradients) {
+    const auto& [area, by_radius, volume, exposed] = g;
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{}\n", area.x, area.y, area.z,
+                   by_radius, volume.x, volume.y, volume.z, exposed);
   }
   return csv;
 }

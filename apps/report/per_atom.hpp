@@ -8,6 +8,7 @@
 #include "excluded/excluded_measures.hpp"
 #include "interface/interfaces.hpp"
 #include "measures/exact_union.hpp"
+#include "measures/union_gradients.hpp"
 #include "options.hpp"
 #include "structure/molecule.hpp"
 
@@ -32,6 +33,17 @@ std::string per_atom_csv(const PerAtomTable& table);
 std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
                                AtomGroup group);
 
+// How far each atom's centre lies below the solvent-excluded surface, Å: the complete one, whose
+// cavities are outside, and the exterior one.
+struct AtomDepths {
+  std::vector<double> complete, exterior;
+};
+
+// Depths of atoms, or the means of residues or chains. Below the accessible surface an atom lies
+// deeper than below the excluded one by the probe (Å): nearest points of both lie on one line.
+std::string depth_csv(const Molecule& molecule, double probe, const AtomDepths& depths,
+                      AtomGroup group);
+
 // What the table of interfaces is made of.
 struct InterfaceTable {
   const Molecule& molecule;
@@ -46,5 +58,9 @@ struct InterfaceTable {
 // area alone, with the other side and among all, buried area, area of contacts. Rows that neither
 // lose area nor touch an atom of the other side are left out.
 std::string interface_csv(const InterfaceTable& table);
+
+// The derivatives of area (Å) and volume (Å²) by each atom's centre and radius, a row for each atom
+// in the order of the file.
+std::string gradient_csv(const std::vector<BallGradient>& gradients);
 
 }  // namespace vdwmesh::apps

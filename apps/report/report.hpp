@@ -15,6 +15,8 @@
 #include "analysis/survey/cgal_measures.hpp"
 #include "creases/exact_mesher.hpp"
 #include "excluded/excluded_measures.hpp"
+#include "interface/complementarity.hpp"
+#include "interface/excluded_burial.hpp"
 #include "measures/exact_union.hpp"
 #include "options.hpp"
 #include "remesh/surface_remesher.hpp"
@@ -164,6 +166,8 @@ struct InterfaceReport {
   SideReport side_a, side_b;
   std::optional<AreaByPolarity> buried_by_polarity;  // where the radius set has one
   std::vector<ResidueContact> contacts;              // largest first
+  std::optional<Complementarity> complementarity{};  // where asked for
+  std::optional<ExcludedBurial> excluded{};          // where asked for
 };
 
 struct Report {

@@ -52,28 +52,6 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   a("memory_estimate", parameters.memory_estimate);
 }
 
-void describe(JsonText& a, const SideReport& side) {
-  a("area", side.area), a("area_in_pair", side.area_in_pair);
-  a("area_in_whole", side.area_in_whole), a("buried_area", side.buried_area);
-  a("atoms", side.atoms), a("residues", side.residues);
-}
-
-void describe(JsonText& a, const ResidueContact& contact) {
-  a("a", contact.a), a("b", contact.b), a("area", contact.area);
-}
-
-void describe(JsonText& a, const InterfaceReport& interface) {
-  a("a", interface.a), a("b", interface.b);
-  a("buried_area", interface.buried_area);
-  a("buried_a", interface.side_a.buried_area), a("buried_b", interface.side_b.buried_area);
-  a("buried_polar", of(interface.buried_by_polarity, &AreaByPolarity::polar));
-  a("buried_apolar", of(interface.buried_by_polarity, &AreaByPolarity::apolar));
-  a("buried_unclassified", of(interface.buried_by_polarity, &AreaByPolarity::unclassified));
-  a("contact_area", interface.contact_area);
-  a("side_a", interface.side_a), a("side_b", interface.side_b);
-  a("contacts", interface.contacts);
-}
-
 void describe(JsonText& a, const ColorScale& scale) {
   a("title", scale.title), a("color_map", scale.map);
   a("lower", scale.lower), a("upper", scale.upper);

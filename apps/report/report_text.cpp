@@ -323,9 +323,15 @@ void interfaces_text(Text out, std::vector<InterfaceReport> interfaces) {
     fmt::format_to(out, "{:<22}{:>13.3f}{:>12.3f}{:>12.3f}{:>13.3f}{:>10}{:>10}\n", name,
                    i.buried_area, a.buried_area, b.buried_area, i.contact_area, a.atoms + b.atoms,
                    a.residues + b.residues);
-    if (!i.buried_by_polarity) continue;
-    fmt::format_to(out, "{:<22}{:>13.3f} polar, {:.3f} apolar\n", "", i.buried_by_polarity->polar,
-                   i.buried_by_polarity->apolar);
+    if (i.buried_by_polarity)
+      fmt::format_to(out, "{:<22}{:>13.3f} polar, {:.3f} apolar\n", "", i.buried_by_polarity->polar,
+                     i.buried_by_polarity->apolar);
+    if (i.excluded)
+      fmt::format_to(out, "{:<22}{:>13.3f} of the excluded surface, gap {:.3f} Å³\n", "",
+                     i.excluded->buried_a + i.excluded->buried_b, i.excluded->gap_volume);
+    if (i.complementarity)
+      fmt::format_to(out, "{:<22}{:>13.3f} ± {:.3f} shape complementarity\n", "",
+                     i.complementarity->sc, i.complementarity->error);
   }
   if (shown < interfaces.size())
     fmt::format_to(out, "and {} smaller ones, which --json lists\n", interfaces.size() - shown);

@@ -6,13 +6,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "analysis/mesh_measures.hpp"
+#include "batch/molecule_spheres.hpp"
 #include "creases/exact_mesher.hpp"
 #include "cuda/backend.hpp"
 #include "excluded/excluded_distances.hpp"
+#include "measures/union_gradients.hpp"
 #include "report/output.hpp"
+#include "report/per_atom.hpp"
 #include "report/void_table.hpp"
 
 namespace vdwmesh::apps {
@@ -92,6 +96,54 @@ void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Sessi
   exact_union_into(*report.exact, spheres, wanted);
   if (options.topology != TopologyRequest::full) report.exact->topology.reset();
   if (options.topology == TopologyRequest::none) report.exact->counts.reset();
+}
+
+void write_depths(const OutputOptions& output, const Molecule& molecule, double probe,
+                  VerbSession& session) {
+  if (output.depth.empty()) return;
+  const SphereSet atoms = to_spheres(molecule, 0);
+  std::vector<Vec3d> centers;
+  for (const Atom& atom : molecule.atoms) centers.push_back(atom.position);
+  const auto depths = [&](ExcludedPart part) {
+    std::vector<double> found =
+        excluded_signed_distances(centers, atoms, probe, session.monitor, part);
+    std::ranges::transform(found, found.begin(), std::negate<>());
+    return found;
+  };
+  const AtomDepths found{depths(ExcludedPart::complete), depths(ExcludedPart::exterior)};
+  session.end_stage(&Timing::compare);
+  session.end_progress();
+  write_output(output.depth, depth_csv(molecule, probe, found, output.group));
+  session.end_stage(&Timing::write);
+}
+
+void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session) {
+  if (output.gradient.empty()) return;
+  const UnionGradients found = union_gradients(spheres, {.monitor = session.monitor});
+  if (found.kink_spheres > 0) {
+    session.report.note(
+        "{} atoms touch another one, or equal it: area and volume may have no derivative there, "
+        "and the table has that of the atoms without contact",
+        found.kink_spheres);
+  }
+  session.end_stage(&Timing::exact);
+  session.end_progress();
+  write_output(output.gradient, gradient_csv(found.gradients));
+  session.end_stage(&Timing::write);
+}
+
+void write_excluded_gradient(const OutputOptions& output, VerbSession& session) {
+  if (output.gradient.empty()) return;
+  const ExcludedGradients& found = session.report.excluded->complete.gradients.value();
+  if (found.kink_probes + found.kink_atoms > 0) {
+    session.report.note(
+        "{} probes touch more than three atoms or lie in their plane, and {} atoms equal another "
+        "one: area and volume may have no derivative there; the table has finite ones",
+        found.kink_probes, found.kink_atoms);
+  }
+  session.end_progress();
+  write_output(output.gradient, gradient_csv(found.per_atom));
+  session.end_stage(&Timing::write);
 }
 
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {

@@ -27,6 +27,17 @@ bool wants_device(const SphereSet& spheres, const ExactOptions& options, const S
 void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Session& session,
                     const MeasuredSpheres& measured);
 
+// Writes how deep the atoms lie if --depth names a file.
+void write_depths(const OutputOptions& output, const Molecule& molecule, double probe,
+                  VerbSession& session);
+
+// Writes the derivatives of the union's area and volume if --gradient names a file, and notes what
+// may have none.
+void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session);
+
+// The same of the excluded surface in the report.
+void write_excluded_gradient(const OutputOptions& output, VerbSession& session);
+
 // Writes the table of voids if --voids names a file. Precondition: the exact union is in the
 // report.
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session);

@@ -36,9 +36,10 @@ void warn_of_doubts(Report& report) {
 }  // namespace
 
 void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
-                      Switch per_atom, Session& session) {
+                      Switch per_atom, Session& session, Switch gradients) {
   ExcludedOptions wanted{.probe = probe, .monitor = session.monitor};
   wanted.per_atom = per_atom == Switch::on;
+  wanted.gradients = gradients == Switch::on;
   wanted.shells = options.topology == TopologyRequest::full;
   wanted.exterior = true;
   session.report.excluded = excluded_measures(to_spheres(molecule, 0), wanted);

@@ -9,9 +9,10 @@
 
 namespace vdwmesh::apps {
 
-// Measures the excluded surface of the atoms, and the share of each atom if `per_atom` is on.
+// Measures the excluded surface of the atoms, the share of each atom if `per_atom` is on, and the
+// derivatives if `gradients` is.
 void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
-                      Switch per_atom, Session& session);
+                      Switch per_atom, Session& session, Switch gradients = Switch::off);
 
 // The same on a CUDA device: the complete surface without its shells.
 void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per_atom,

@@ -148,7 +148,30 @@ InterfaceReport report_of(const Structure& structure, const Sides& sides, const 
           .side_a = side_of(molecule, sides.of_atom, pair.a, found, pair),
           .side_b = side_of(molecule, sides.of_atom, pair.b, found, pair),
           .buried_by_polarity = buried_by_polarity(molecule, pair),
-          .contacts = residue_contacts(molecule, pair)};
+          .contacts = residue_contacts(molecule, pair),
+          .complementarity = {},
+          .excluded = {}};
+}
+
+SphereSet atoms_of_side(const Molecule& molecule, const Sides& sides, std::int32_t side) {
+  std::vector<Sphere> atoms;
+  for (std::size_t i = 0; i < molecule.atoms.size(); ++i)
+    if (sides.of_atom[i] == side)
+      atoms.push_back({molecule.atoms[i].position, molecule.atoms[i].radius});
+  return SphereSet(std::move(atoms));
+}
+
+Complementarity fit_of(const Molecule& molecule, const Sides& sides, const Interface& pair,
+                       const InputOptions& input, const DistanceChoice& fit,
+                       const Session& session) {
+  ComplementarityOptions options;
+  options.probe = input.probe;
+  options.density = fit.samples_per_area;
+  options.most_density = std::max(options.most_density, 2 * fit.samples_per_area);
+  options.seed = fit.seed;
+  options.monitor = session.monitor;
+  return complementarity(atoms_of_side(molecule, sides, pair.a),
+                         atoms_of_side(molecule, sides, pair.b), options);
 }
 
 }  // namespace
@@ -173,12 +196,21 @@ Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selecti
 }
 
 Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
-                              const InputOptions& input, Session& session) {
+                              const InputOptions& input, const InterfaceChoice& choice,
+                              Session& session) {
   Interfaces found = interfaces(structure.spheres, sides.of_atom, session.monitor);
   if (!input.read.groups.empty()) add_pairs_apart(found);
   std::vector<InterfaceReport>& reports = session.report.interfaces.emplace();
-  for (const Interface& pair : found.pairs)
+  for (const Interface& pair : found.pairs) {
     reports.push_back(report_of(structure, sides, found, pair));
+    InterfaceReport& report = reports.back();
+    if (choice.fit.distances == Switch::on)
+      report.complementarity = fit_of(structure.molecule, sides, pair, input, choice.fit, session);
+    if (choice.surface == ExactSurface::excluded)
+      report.excluded = excluded_burial(atoms_of_side(structure.molecule, sides, pair.a),
+                                        atoms_of_side(structure.molecule, sides, pair.b),
+                                        input.probe, session.monitor);
+  }
   warn_of_clashes(structure.molecule, found.pairs, input.probe, session.report);
   if (found.pairs.empty()) session.report.notes.emplace_back("no two chains touch");
   session.end_stage(&Timing::exact);

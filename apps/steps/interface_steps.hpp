@@ -21,9 +21,17 @@ struct Sides {
 // models are told apart. Throws InvalidInput if there are fewer than two.
 Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selections);
 
+// What is measured beside the accessible surface: with `fit` on how the shapes of sides fit, from
+// so many samples on; with `excluded` what is buried of that surface.
+struct InterfaceChoice {
+  const DistanceChoice& fit;
+  ExactSurface surface;
+};
+
 // Measures the interfaces and fills their part of the report: of selections all pairs, of chains
 // those that touch. Warns of atoms that clash.
 Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
-                              const InputOptions& input, Session& session);
+                              const InputOptions& input, const InterfaceChoice& choice,
+                              Session& session);
 
 }  // namespace vdwmesh::apps

@@ -1,6 +1,6 @@
-// The steps of `vdwmesh report`, for one structure of many. Each structure has a session of its
-// own, without a progress bar. Its steps run on the thread of the worker, and other threads help
-// only when they have no structure left.
+// The steps of `vdwmesh report` and `interface`, for one structure of many. Each structure has a
+// session of its own, without a progress bar. Its steps run on the thread of the worker, and other
+// threads help only when they have no structure left.
 #include "verbs/batch_report.hpp"
 
 #include <limits>
@@ -8,6 +8,7 @@
 
 #include "steps/edge_lengths.hpp"
 #include "steps/exact_steps.hpp"
+#include "steps/interface_steps.hpp"
 #include "steps/measured_mesh.hpp"
 #include "steps/steps.hpp"
 
@@ -46,7 +47,32 @@ void report_into(ReportRow& row, const NamedStructure& source, Options options,
     row.mesh->arrangement->arrangement_seconds = std::numeric_limits<double>::quiet_NaN();
 }
 
+void interfaces_into(InterfaceRow& row, const NamedStructure& source, const Options& options,
+                     const BatchOptions& one) {
+  Session session = session_of(options, one);
+  const InputOptions& input = options.inputs.front();
+  Molecule molecule = read_named_structure(source, one.read);
+  describe_input(molecule, row);
+  describe_input(molecule, input, session);
+  SphereSet spheres = to_spheres(molecule, input.probe);
+  const Structure structure{std::move(molecule), std::move(spheres)};
+  one.check(structure.spheres);
+  measure_interfaces(structure, sides_of(structure.molecule, {}), input,
+                     {options.distances, options.exact.surface}, session);
+  row.interfaces = std::move(session.report.interfaces);
+  row.warnings = std::move(session.report.warnings);
+}
+
 }  // namespace
+
+InterfaceRow make_interface_row(const NamedStructure& structure, const Options& options,
+                                const BatchOptions& one) {
+  InterfaceRow row;
+  row.name = structure.name;
+  row.content = content_of(structure);
+  row.error = refusal_of([&] { interfaces_into(row, structure, options, one); });
+  return row;
+}
 
 ReportRow make_report_row(const NamedStructure& structure, const Options& options,
                           const BatchOptions& one) {

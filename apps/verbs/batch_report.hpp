@@ -1,4 +1,4 @@
-// Rows of `vdwmesh batch --verb report`.
+// Rows of `vdwmesh batch --verb report` and of its interfaces.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,20 @@ struct ReportRow : BatchRow {
   std::optional<ComparisonReport> comparison;
 };
 
+// The interfaces between the chains of a structure that touch.
+struct InterfaceRow : BatchRow {
+  std::optional<std::vector<InterfaceReport>> interfaces;
+};
+
 // Reads the structure, and makes and compares its mesh, on the CPU. Of `one`, the options of
 // reading and the check are used. The figures are those of `vdwmesh report`, but for the time that
 // the crease-exact mesher took: rows do not depend on the machine. A structure that is refused has
 // no figures but an error.
 ReportRow make_report_row(const NamedStructure& structure, const Options& options,
                           const BatchOptions& one);
+
+// Reads the structure and measures the interfaces of its chains. One of a single chain is refused.
+InterfaceRow make_interface_row(const NamedStructure& structure, const Options& options,
+                                const BatchOptions& one);
 
 }  // namespace vdwmesh::apps

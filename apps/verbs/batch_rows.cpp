@@ -49,6 +49,22 @@ void describe_figures(A& a, const ReportRow& row) {
   a("mesh", row.mesh), a("comparison", row.comparison);
 }
 
+// A table has their number and sums.
+template <class A>
+void describe_figures(A& a, const InterfaceRow& row) {
+  std::optional<std::uint64_t> count;
+  std::optional<double> buried, contact;
+  if (row.interfaces) {
+    count = row.interfaces->size();
+    buried = contact = 0;
+    for (const InterfaceReport& i : *row.interfaces)
+      *buried += i.buried_area, *contact += i.contact_area;
+  }
+  describe_figures(a, static_cast<const BatchRow&>(row));
+  a("interface_count", count), a("buried_area", buried), a("contact_area", contact);
+  a("interfaces", row.interfaces);
+}
+
 template <class Row>
 std::string json_row(const Row& row, const std::string& settings) {
   JsonText json(JsonText::Layout::compact);
@@ -108,13 +124,18 @@ std::vector<std::string> radius_files(const std::string& radii) {
 
 std::string RowWriter::header() const {
   if (format_ != RowFormat::csv) return {};
-  return (verb_ == BatchVerb::report ? csv_row(ReportRow{}, "") : csv_row(BatchRow{}, "")).names() +
-         '\n';
+  if (verb_ == BatchVerb::report) return csv_row(ReportRow{}, "").names() + '\n';
+  if (verb_ == BatchVerb::interface) return csv_row(InterfaceRow{}, "").names() + '\n';
+  return csv_row(BatchRow{}, "").names() + '\n';
 }
 
 std::string RowWriter::text(const BatchRow& row) const { return line_of(row, format_, settings_); }
 
 std::string RowWriter::text(const ReportRow& row) const { return line_of(row, format_, settings_); }
+
+std::string RowWriter::text(const InterfaceRow& row) const {
+  return line_of(row, format_, settings_);
+}
 
 std::string RowWriter::beginning(const std::string& name) const {
   if (format_ == RowFormat::csv) return csv_field(without_breaks(name)) + ',' + settings_ + ',';
@@ -145,6 +166,9 @@ std::string settings_key(const Options& options) {
     all += '\n' + content_of({file, std::nullopt, ""}).value_or("");
   }
   if (options.batch.verb == BatchVerb::report) all += '\n' + mesh_settings(options);
+  if (options.batch.verb == BatchVerb::interface)
+    all += fmt::format("\ninterface\n{}\n{}\n{}", name_of(options.distances.distances),
+                       options.distances.samples_per_area, options.distances.seed);
   return fmt::format("{:016x}", fnv1a(all));
 }
 

@@ -22,6 +22,7 @@ class RowWriter {
   std::string header() const;
   std::string text(const BatchRow& row) const;
   std::string text(const ReportRow& row) const;
+  std::string text(const InterfaceRow& row) const;
   // What text() begins with for a structure of that name, and with that content() behind it.
   std::string beginning(const std::string& name) const;
   std::string content(const std::optional<std::string>& content) const;

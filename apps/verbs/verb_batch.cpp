@@ -206,6 +206,13 @@ std::uint64_t make_rows_of_verb(StructureSource& source, std::uint64_t most, con
                                 Monitor* monitor, const auto& on_row) {
   const BatchOptions one = options_of_one(options, monitor);
   if (options.batch.verb == BatchVerb::exact) return run_batch(source, most, one, on_row);
+  if (options.batch.verb == BatchVerb::interface) {
+    const RowWork<InterfaceRow> work{[&](const NamedStructure& structure, std::size_t) {
+                                       return make_interface_row(structure, options, one);
+                                     },
+                                     on_row};
+    return make_rows(source, most, work, static_cast<std::size_t>(one.threads), monitor);
+  }
   const RowWork<ReportRow> work{[&](const NamedStructure& structure, std::size_t) {
                                   return make_report_row(structure, options, one);
                                 },

@@ -21,9 +21,12 @@ void run_excluded(const Options& options, const Molecule& molecule, VerbSession&
   if (options.machine.backend == Backend::cuda) {
     measure_excluded_on_cuda(molecule, probe, per_atom, session);
   } else {
-    measure_excluded(molecule, probe, options.exact, per_atom, session);
+    const Switch gradients = options.output.gradient.empty() ? Switch::off : Switch::on;
+    measure_excluded(molecule, probe, options.exact, per_atom, session, gradients);
   }
   write_excluded_atoms(options.output, molecule, session);
+  write_excluded_gradient(options.output, session);
+  write_depths(options.output, molecule, probe, session);
   session.deliver_report(options.output);
 }
 
@@ -51,6 +54,8 @@ void run_exact(const Options& options) {
     session.end_stage(&Timing::write);
   }
   write_voids(options.output, molecule, session);
+  write_gradient(options.output, spheres, session);
+  write_depths(options.output, molecule, input.probe, session);
   session.deliver_report(options.output);
 }
 

@@ -18,7 +18,8 @@ void run_interface(const Options& options) {
   demand.exact = UnionMethod::arcs;
   check_memory_before(demand, structure.spheres, options.machine.memory_limit);
   session.end_stage(&Timing::plan);
-  const Interfaces found = measure_interfaces(structure, sides, input, session);
+  const Interfaces found = measure_interfaces(structure, sides, input,
+                                              {options.distances, options.exact.surface}, session);
   if (!options.output.per_atom.empty()) {
     session.end_progress();
     write_output(options.output.per_atom, interface_csv({.molecule = structure.molecule,

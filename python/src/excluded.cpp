@@ -54,14 +54,19 @@ ExcludedMeasures measure_on_device(const SphereSet& atoms, double probe, Monitor
 }
 
 // The measures of the complete surface, of the exterior one, which a device leaves out, and the
-// atoms' shares in the complete one: rows of contact, saddle and concave area, and volume.
+// atoms' shares in the complete one: rows of contact, saddle and concave area, and volume. If
+// wanted its derivatives: rows of eight by atom, those by the probe, and how many probes and atoms
+// may have none.
 py::tuple excluded(const py::buffer& coords, const py::buffer& radii, std::optional<int> threads,
-                   const std::string& device, const py::kwargs& given) {
+                   const std::string& device, bool gradient, const py::kwargs& given) {
   const ExactOptions exact = exact_options_of(given);
   const double probe = exact.probe;
   const bool topology = exact.topology == TopologyRequest::full;
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
   const bool on_device = backend_of(device) == Backend::cuda;
+  if (on_device && gradient) {
+    throw BackendUnavailable("device: the CPU alone knows derivatives of the excluded surface");
+  }
   if (on_device && topology) {
     throw BackendUnavailable("device: the CPU alone finds the shells of the excluded surface");
   }
@@ -72,6 +77,7 @@ py::tuple excluded(const py::buffer& coords, const py::buffer& radii, std::optio
     }
     ExcludedOptions options{.probe = probe, .per_atom = true, .exterior = true};
     options.shells = topology;
+    options.gradients = gradient;
     options.monitor = &monitor;
     return std::make_shared<const ExcludedMeasures>(
         excluded_measures(spheres_of(centers, sizes, 0), options));
@@ -84,7 +90,15 @@ py::tuple excluded(const py::buffer& coords, const py::buffer& radii, std::optio
   const auto* rows = reinterpret_cast<const double*>(atoms.data());
   py::object exterior = py::none();
   if (found->exterior) exterior = dict_of(*found->exterior);
-  return py::make_tuple(dict_of(found->complete), exterior, array_of(found, rows, atoms.size(), 4));
+  py::object slopes = py::none();
+  if (const auto& g = found->complete.gradients) {
+    static_assert(sizeof(BallGradient) == 8 * sizeof(double));
+    const auto* first = reinterpret_cast<const double*>(g->per_atom.data());
+    slopes = py::make_tuple(array_of(found, first, g->per_atom.size(), 8), g->area_probe,
+                            g->volume_probe, g->kink_probes, g->kink_atoms);
+  }
+  return py::make_tuple(dict_of(found->complete), exterior, array_of(found, rows, atoms.size(), 4),
+                        slopes);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "cuda/backend.hpp"
 #include "cuda_array.hpp"
 #include "measures/frame_measures.hpp"
+#include "measures/union_gradients.hpp"
 #include "requests.hpp"
 #include "topics.hpp"
 
@@ -220,6 +221,43 @@ py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::k
   return lists_of(std::move(found), request.exact.topology);
 }
 
+// The numbers of an array of one dimension; none if it is None.
+std::vector<double> numbers_of(const py::object& array, const char* name) {
+  std::vector<double> numbers;
+  if (array.is_none()) return numbers;
+  const Numbers given(array.cast<py::buffer>(), name, 1);
+  for (std::size_t i = 0; i < given.size(0); ++i) numbers.push_back(given(i));
+  return numbers;
+}
+
+// The measures of one set and their derivatives in "gradient": rows of eight numbers (N, 8), and
+// how many atoms may have none.
+py::dict measure_gradient(const py::buffer& coords, const py::buffer& radii,
+                          const py::object& area_weights, const py::object& volume_weights,
+                          const py::kwargs& given) {
+  const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
+  const MeasureCall request(given);
+  const std::vector<double> areas = numbers_of(area_weights, "weights"),
+                            volumes = numbers_of(volume_weights, "weights");
+  UnionGradients found = call(request.threads, [&](Monitor& monitor) {
+    return union_gradients(spheres_of(centers, sizes, request.exact.probe),
+                           {.area_weights = areas, .volume_weights = volumes, .monitor = &monitor});
+  });
+  ExactUnion measures{};
+  measures.method = UnionMethod::arcs;
+  measures.area = found.area;
+  measures.volume = found.volume;
+  measures.per_sphere = std::move(found.per_sphere);
+  measures.fallback_spheres = found.fallback_spheres;
+  py::dict result = dict_of(std::move(measures), TopologyRequest::none);
+  const auto rows = std::make_shared<const std::vector<BallGradient>>(std::move(found.gradients));
+  static_assert(sizeof(BallGradient) == 8 * sizeof(double));
+  result["gradient"] =
+      py::make_tuple(array_of(rows, reinterpret_cast<const double*>(rows->data()), rows->size(), 8),
+                     found.kink_spheres);
+  return result;
+}
+
 // The column of the measures (T, N) at `first`.
 CudaArray column_there(const std::shared_ptr<const CudaMeasures>& there, const double* first,
                        std::size_t frames, std::size_t atoms) {
@@ -259,6 +297,7 @@ py::tuple measure_frames_there(const py::tuple& coords, const py::object& radii,
 
 void bind_measures(py::module_& module) {
   module.def("measure", &measure);
+  module.def("measure_gradient", &measure_gradient);
   module.def("measure_on_device", &measure_frames_there);
 }
 

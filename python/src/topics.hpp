@@ -10,6 +10,7 @@ void bind_requests(pybind11::module_& module);    // requests.cpp: checks of arg
 void bind_structures(pybind11::module_& module);  // structures.cpp: files, radii
 void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
 void bind_excluded(pybind11::module_& module);    // excluded.cpp: the solvent-excluded surface
+void bind_interfaces(pybind11::module_& module);  // interfaces.cpp: buried areas, contacts
 void bind_pockets(pybind11::module_& module);     // pockets.cpp: pockets, channels, voids
 void bind_meshes(pybind11::module_& module);      // meshes.cpp: meshes of spheres, of arrays, files
 void bind_cuda_arrays(pybind11::module_& module);  // cuda_array.cpp: arrays in device memory

@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     )
     from vdwmesh._core import version as __version__
     from vdwmesh._cuda import CudaArray, CudaAtoms, CudaMesh
-    from vdwmesh._exact import ExactUnion, exact, sasa
+    from vdwmesh._exact import ExactUnion, UnionGradient, exact, sasa
     from vdwmesh._excluded import (
         AccessibleComponent,
+        ExcludedGradient,
         ExcludedMeasures,
         ExcludedShell,
         ExcludedSurface,
@@ -36,9 +37,11 @@ if TYPE_CHECKING:
         meshes,
         trajectory,
     )
+    from vdwmesh._interface import Complementarity, Interface, Interfaces, interface
     from vdwmesh._measure import Counts, Topology, Void
     from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh, mesh_many
     from vdwmesh._molecule import Molecule, radii_of, read, sample
+    from vdwmesh._pocket_frames import PocketFrame, pocket_frames, pocket_table
     from vdwmesh._pockets import Mouth, Pocket, pockets
     from vdwmesh.errors import (
         BackendUnavailable,
@@ -56,6 +59,7 @@ __all__ = [
     "BackendUnavailable",
     "BatchRow",
     "Comparison",
+    "Complementarity",
     "Counts",
     "CudaArray",
     "CudaAtoms",
@@ -65,6 +69,7 @@ __all__ = [
     "Distribution",
     "Error",
     "ExactUnion",
+    "ExcludedGradient",
     "ExcludedMeasures",
     "ExcludedShell",
     "ExcludedSurface",
@@ -73,6 +78,8 @@ __all__ = [
     "FileMissing",
     "FrameMesh",
     "FrameResult",
+    "Interface",
+    "Interfaces",
     "InternalError",
     "InvalidInput",
     "LimitExceeded",
@@ -81,19 +88,24 @@ __all__ = [
     "Mouth",
     "PATCH_KINDS",
     "Pocket",
+    "PocketFrame",
     "Quality",
     "Topology",
     "TrajectoryResult",
+    "UnionGradient",
     "Void",
     "__version__",
     "batch",
     "compare",
     "exact",
     "frames",
+    "interface",
     "marching_cubes",
     "mesh",
     "mesh_many",
     "meshes",
+    "pocket_frames",
+    "pocket_table",
     "pockets",
     "quality",
     "radii_of",
@@ -111,12 +123,14 @@ _HOMES = {
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
     "_cuda": "CudaArray CudaAtoms CudaMesh",
-    "_exact": "ExactUnion exact sasa",
-    "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
+    "_exact": "ExactUnion UnionGradient exact sasa",
+    "_excluded": "AccessibleComponent ExcludedGradient ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
+    "_interface": "Complementarity Interface Interfaces interface",
     "_measure": "Counts Topology Void",
     "_mesh": "Mesh PATCH_KINDS marching_cubes mesh mesh_many",
     "_molecule": "Molecule radii_of read sample",
+    "_pocket_frames": "PocketFrame pocket_frames pocket_table",
     "_pockets": "Mouth Pocket pockets",
     "errors": "BackendUnavailable CudaError Error FileFormatError FileMissing "
     "InternalError InvalidInput LimitExceeded",

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import chosen
+from vdwmesh._arrays import chosen, floats, view
 from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, HasCudaArray
 from vdwmesh._excluded import ExcludedMeasures, measure_excluded
-from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
+from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, as_arrays, measure
 from vdwmesh._sources import Atoms, arrays_anywhere, arrays_of
 from vdwmesh.errors import InvalidInput
 
@@ -20,6 +20,30 @@ if TYPE_CHECKING:
 
 
 _FRAMES_AT_ONCE = 64  # of which the areas of all atoms are kept at a time
+
+
+@dataclass(frozen=True, eq=False)
+class UnionGradient:
+    """Exact derivatives of the weighted sums of the atoms' areas and volumes.
+
+    Attributes
+    ----------
+    area_coords : ndarray of float64, shape (N, 3)
+        Of the sum of areas by each centre, Å.
+    area_radii : ndarray of float64, shape (N,)
+        By each radius, Å.
+    volume_coords, volume_radii : ndarray of float64, shapes (N, 3) and (N,)
+        Of the sum of volumes, Å².
+    kink_atoms : int
+        Atoms that touch another one, or equal it: they may have no derivative. They get that of the
+        atoms without contact; of equal atoms the first gets it, and the others 0.
+    """
+
+    area_coords: Floats
+    area_radii: Floats
+    volume_coords: Floats
+    volume_radii: Floats
+    kink_atoms: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +68,8 @@ class ExactUnion:
         Atoms of which the arcs failed a check, so that a triangulation measured them.
     cuda : CudaAtoms or None
         Measures of the atoms in the memory of the device, if the coordinates were there.
+    gradient : UnionGradient or None
+        None where it was not asked for.
     """
 
     area: float
@@ -57,6 +83,7 @@ class ExactUnion:
     check_volume: float | None
     fallback_atoms: int
     cuda: CudaAtoms | None = None
+    gradient: UnionGradient | None = None
 
 
 @overload
@@ -71,6 +98,8 @@ def exact(
     method: str = "auto",
     threads: int | None = None,
     device: str = "auto",
+    gradient: bool = False,
+    weights: ArrayLike | tuple[ArrayLike | None, ArrayLike | None] | None = None,
 ) -> ExactUnion: ...
 @overload
 def exact(
@@ -84,6 +113,7 @@ def exact(
     method: str = "auto",
     threads: int | None = None,
     device: str = "auto",
+    gradient: bool = False,
 ) -> ExcludedMeasures: ...
 def exact(
     coords: Any,
@@ -96,6 +126,8 @@ def exact(
     method: str = "auto",
     threads: int | None = None,
     device: str = "auto",
+    gradient: bool = False,
+    weights: ArrayLike | tuple[ArrayLike | None, ArrayLike | None] | None = None,
 ) -> ExactUnion | ExcludedMeasures:
     """Exact area and volume of the union of the atoms' balls, and its topology.
 
@@ -128,6 +160,12 @@ def exact(
     device : {"auto", "cpu", "cuda"}
         A CUDA device measures areas and volumes by "arcs"; "auto" uses it from 500,000 atoms on. Of
         the excluded surface "auto" is the CPU, and "cuda" leaves topology and exterior out.
+    gradient : bool
+        Whether the derivatives of area and volume are computed in the same pass, on the CPU. It is of
+        all atoms; that of a union by "arcs".
+    weights : array_like, shape (N,), or a tuple of two, optional
+        The gradient is that of the sum of weight times area of each atom, and of the same with
+        volumes; a tuple has the weights of areas and of volumes. None stands for weights of 1.
 
     Returns
     -------
@@ -150,11 +188,18 @@ def exact(
     >>> round(union.area, 6), round(union.volume, 6)  # 6 pi, 9/4 pi
     (18.849556, 7.068583)
     """
+    if weights is not None and not gradient:
+        raise InvalidInput("weights: are those of a gradient; say gradient=True")
     if _core.is_excluded(surface):
+        if weights is not None:
+            raise InvalidInput(f'weights: do not go with surface="{surface}"; leave one of them out')
         if atoms is not None:
             raise InvalidInput(f'atoms: does not go with surface="{surface}"; leave one of them out')
         arrays = arrays_of(coords, radii)[:2]
-        return measure_excluded(*arrays, probe, topology, threads, device, method=method)
+        return measure_excluded(*arrays, probe, topology, threads, device, gradient, method=method)
+    if gradient:
+        options = Options.of(probe, topology, threads, device, surface=surface, method=method)
+        return _with_gradient(*arrays_of(coords, radii)[:2], options, atoms, weights)
     centers, sizes, _ = arrays_anywhere(coords, radii, device)
     options = Options.of(
         probe,
@@ -172,6 +217,32 @@ def exact(
         place = "coords" if found.invalid.atom is None else f"coords[{found.invalid.atom}]"
         raise InvalidInput(f"{place}: {found.invalid.reason}")
     return ExactUnion(**found.frames[0])
+
+
+def _with_gradient(
+    centers: NDArray[Any], sizes: NDArray[Any], options: Options, atoms: Any, weights: Any
+) -> ExactUnion:
+    """One set with its gradient, of all atoms."""
+    for name, other in (
+        ("atoms", atoms is not None),
+        ("topology", options.topology != "off"),
+        ("method", options.method not in ("auto", "arcs")),
+        ("device", options.device == "cuda"),
+    ):
+        if other:
+            raise InvalidInput(f"gradient: is of areas and volumes of all atoms on the CPU; leave out {name}")
+    pair = weights if isinstance(weights, tuple) and len(weights) == 2 else (weights, weights)
+    given = [None if w is None else floats("weights", w, "(N,)") for w in pair]
+    if len(centers) != len(sizes):
+        raise InvalidInput(f"radii: has {len(sizes)} numbers for {len(centers)} atoms of coords")
+    for w in given:
+        if w is not None and len(w) != len(centers):
+            raise InvalidInput(f"weights: has {len(w)} numbers for {len(centers)} atoms of coords")
+    found = _core.measure_gradient(centers, sizes, *given, **vars(options))
+    rows, kinks = found.pop("gradient")
+    table = view(rows)
+    gradient = UnionGradient(table[:, :3], table[:, 3], table[:, 4:7], table[:, 7], kinks)
+    return ExactUnion(**as_arrays(found), gradient=gradient)
 
 
 def _as_frames(centers: NDArray[Any] | CudaInput) -> NDArray[Any] | CudaInput:

@@ -89,6 +89,40 @@ class ExcludedSurface:
 
 
 @dataclass(frozen=True, eq=False)
+class ExcludedGradient:
+    """Exact derivatives of area and volume of the complete surface.
+
+    Attributes
+    ----------
+    area_coords : ndarray of float64, shape (N, 3)
+        Of the area by each centre, Å.
+    area_radii : ndarray of float64, shape (N,)
+        By each radius, Å, while the probe keeps its own.
+    volume_coords, volume_radii : ndarray of float64, shapes (N, 3) and (N,)
+        Of the volume, Å².
+    area_probe, volume_probe : float
+        By the radius of the probe, Å and Å².
+    kink_probes, kink_atoms : int
+        Probes that touch more than three atoms or lie in their plane, and atoms equal to others: they
+        may have no derivative, and get a finite one.
+    """
+
+    area_coords: Floats
+    area_radii: Floats
+    volume_coords: Floats
+    volume_radii: Floats
+    area_probe: float
+    volume_probe: float
+    kink_probes: int
+    kink_atoms: int
+
+    @classmethod
+    def _of(cls, rows: Any, *others: Any) -> ExcludedGradient:
+        table = view(rows)
+        return cls(table[:, :3], table[:, 3], table[:, 4:7], table[:, 7], *others)
+
+
+@dataclass(frozen=True, eq=False)
 class ExcludedMeasures(ExcludedSurface):
     """The complete surface with its cavities, the shares of atoms in it, and the exterior surface.
 
@@ -102,6 +136,8 @@ class ExcludedMeasures(ExcludedSurface):
         Å², Å³; they sum to area and volume.
     atom_contact_area, atom_saddle_area, atom_concave_area : ndarray of float64, shape (N,)
         Å².
+    gradient : ExcludedGradient or None
+        None where it was not asked for.
     """
 
     probe: float
@@ -111,15 +147,23 @@ class ExcludedMeasures(ExcludedSurface):
     atom_saddle_area: Floats
     atom_concave_area: Floats
     atom_volume: Floats
+    gradient: ExcludedGradient | None
 
 
 def measure_excluded(
-    centers: Any, sizes: Any, probe: Any, topology: Any, threads: Any, device: str, **others: Any
+    centers: Any,
+    sizes: Any,
+    probe: Any,
+    topology: Any,
+    threads: Any,
+    device: str,
+    gradient: bool = False,
+    **others: Any,
 ) -> ExcludedMeasures:
     """The excluded surface of atoms that have been brought into form."""
     options = {"probe": given_number("probe", probe), "topology": topology_name(topology), **others}
-    complete, exterior, rows = _core.excluded(
-        centers, sizes, thread_count(threads), device, surface="ses", **options
+    complete, exterior, rows, slopes = _core.excluded(
+        centers, sizes, thread_count(threads), device, gradient, surface="ses", **options
     )
     shares = view(rows)
     area = shares[:, :3].sum(axis=1)
@@ -133,6 +177,7 @@ def measure_excluded(
         atom_saddle_area=shares[:, 1],
         atom_concave_area=shares[:, 2],
         atom_volume=shares[:, 3],
+        gradient=None if slopes is None else ExcludedGradient._of(*slopes),
     )
 
 

@@ -139,10 +139,10 @@ def frames(
         given = trajectory_of(traj, select, Window.of(start, stop, step))
         if is_on_device(given.atoms.coords):
             raise InvalidInput("surface: the excluded surface of frames is measured on the host")
-        return _excluded(given, _radii(radii, given), probe, bool(per_atom), threads, device)
+        return _excluded(given, radii_of_frames(radii, given), probe, bool(per_atom), threads, device)
     options = Options.of(probe, topology, threads, device, surface=surface, per_atom=bool(per_atom))
     given = trajectory_of(traj, select, Window.of(start, stop, step))
-    sizes = _radii(radii, given)
+    sizes = radii_of_frames(radii, given)
     options = replace(
         options,
         atoms=chosen("atoms", atoms, given.count),
@@ -162,7 +162,7 @@ def chunk_size(chunk: Any) -> int:
 _MANY_FRAMES = 1 << 20  # stands for a number that is not known
 
 
-def _radii(radii: Any, given: Trajectory) -> NDArray[Any] | CudaInput:
+def radii_of_frames(radii: Any, given: Trajectory) -> NDArray[Any] | CudaInput:
     """The argument `radii` as one number for each atom that is there."""
     if is_on_device(given.atoms.coords):
         return radii_anywhere(radii, given.atoms)
@@ -356,7 +356,7 @@ def meshes(
     options.setdefault("mesher", "marching-cubes")
     options.setdefault("fixed_grid", options["mesher"] == "marching-cubes")
     given = trajectory_of(traj, select, Window.of(start, stop, step))
-    return _meshed(given, _radii(radii, given), options)
+    return _meshed(given, radii_of_frames(radii, given), options)
 
 
 def _meshed(given: Trajectory, radii: Any, options: dict[str, Any]) -> Iterator[FrameMesh]:

@@ -149,6 +149,14 @@ class Measured(NamedTuple):
     cuda: CudaAtoms | None  # of all frames, (T, N), where they are on a device and wanted
 
 
+def as_arrays(found: dict[str, Any]) -> dict[str, Any]:
+    """Makes NumPy's arrays of what is known of the atoms."""
+    for name in ("atom_area", "atom_volume"):
+        if found[name] is not None:
+            found[name] = view(found[name])
+    return found
+
+
 def measure(
     frames: NDArray[Any] | CudaInput, radii: NDArray[Any] | CudaInput, options: Options
 ) -> Measured:
@@ -162,9 +170,7 @@ def measure(
         found, groups, invalid = _core.measure(frames, radii, **vars(options))
     for k, one in enumerate(found):
         one["cuda"] = columns and CudaAtoms(*(CudaArray(column.row(k)) for column in columns))
-        for name in ("atom_area", "atom_volume"):
-            if one[name] is not None:
-                one[name] = view(one[name])
+        as_arrays(one)
         if one["counts"] is not None:
             one["counts"] = Counts(**one["counts"])
         if one["topology"] is not None:

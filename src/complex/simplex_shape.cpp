@@ -228,7 +228,7 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
 // The points common to three spheres, times the squared normal |n|² = `gram` of the triangle. With
 // u = ab, v = ac and n = u × v, the orthogonal centre in the plane is (w_u v×n + w_v n×u) / |n|².
 // The points lie above and below it by sqrt(r_a² - |centre|²). All are relative to the centre of a.
-// Every squared radius may be grown by one value, the same for all balls.
+// One value may be added to the squared radii of all balls: it moves the points, not the centre.
 template <class T>
 struct CommonPointTerms {
   Vector<T> normal, center;  // `center` and `half_chord` are multiplied by `gram`

@@ -17,6 +17,7 @@
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 #include "excluded/patches/atom_shares.hpp"
+#include "excluded/patches/patch_gradients.hpp"
 #include "excluded/patches/patch_records.hpp"
 #include "excluded/probes/excluded_shells.hpp"
 #include "excluded/probes/grown_atoms.hpp"
@@ -160,13 +161,13 @@ class ExcludedSum {
  public:
   ExcludedSum(const SphereSet& atoms, const ExcludedOptions& options, double no_length)
       : options_(options),
-        atom_count_(atoms.size()),
+        atoms_(atoms),
         grown_(atoms, options.probe, options.monitor, no_length),
         exponent_(grown_.exponent) {}
 
   ExcludedMeasures run() {
     ExcludedMeasures out{options_.probe, measure(std::vector<std::uint8_t>(components(), 1)), {}};
-    if (options_.per_atom) out.complete.per_atom = atoms(atom_count_);
+    if (options_.per_atom) out.complete.per_atom = atoms();
     if (!options_.exterior) return out;
     const std::vector<std::uint8_t> outer = surface_.outer_components();
     const bool all = std::find(outer.begin(), outer.end(), 0) == outer.end();
@@ -183,11 +184,15 @@ class ExcludedSum {
     const SurfaceSums sums(surface_, records, included, radius_);
     ExcludedSurface out = sums.result(exponent_);
     if (options_.shells) set_topology(out, records, included);
+    if (options_.gradients) {
+      out.gradients =
+          patch_gradients(surface_, records, included, radius_, atoms_, options_.monitor);
+    }
     return out;
   }
 
   // The shares of all atoms in the complete surface.
-  std::vector<ExcludedAtom> atoms(std::size_t count) const {
+  std::vector<ExcludedAtom> atoms() const {
     const std::vector<std::uint8_t> all(components(), 1);
     std::vector<BallShare> shares(triangulation_.balls.size());
     const std::vector<SphereMeasures> solid = inclusion_exclusion(triangulation_, grown_.complex);
@@ -195,7 +200,7 @@ class ExcludedSum {
     share_contacts(shares);
     share_saddles(shares);
     share_concave(shares, all);
-    std::vector<ExcludedAtom> out(count, ExcludedAtom{});
+    std::vector<ExcludedAtom> out(atoms_.size(), ExcludedAtom{});
     for (std::size_t v = 0; v < shares.size(); ++v) {
       const auto area = [&](std::size_t k) { return std::ldexp(shares[v].area[k], 2 * exponent_); };
       out[triangulation_.ids[v]] = {{area(0), area(1), area(2)},
@@ -301,7 +306,7 @@ class ExcludedSum {
   }
 
   const ExcludedOptions& options_;
-  const std::size_t atom_count_;
+  const SphereSet& atoms_;
   const GrownAtoms grown_;
   const int exponent_;
   const AccessibleSurface& surface_ = grown_.surface;

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "core/monitor.hpp"
+#include "excluded/excluded_gradients.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -41,6 +42,7 @@ struct ExcludedOptions {
   // ExcludedMeasures::exterior is wanted. Without cavities it is a copy of the complete surface and
   // costs nothing.
   bool exterior = false;
+  bool gradients = false;  // ExcludedSurface::gradients are wanted, of every surface that is made
   Monitor* monitor = nullptr;
 };
 
@@ -150,6 +152,7 @@ struct ExcludedSurface {
   // If wanted, of the complete surface alone: one entry for each sphere, in the order of the set.
   // Areas sum to area_by_kind, volumes to `volume`.
   std::vector<ExcludedAtom> per_atom;
+  std::optional<ExcludedGradients> gradients;  // if wanted
   ExcludedCounts counts;
   ExcludedChecks checks;
 };
@@ -166,7 +169,8 @@ struct ExcludedMeasures {
 // not depend on the number of threads. Throws InvalidInput for an empty set, a probe that is not
 // above 0 or not finite, or a grown ball that no SphereSet accepts, and as check_digits() does;
 // LimitExceeded as triangulate() does; InternalError if the shares of atoms do not make up a
-// surface of which doubts() says nothing else; and Cancelled.
+// surface of which doubts() says nothing else; and Cancelled. With gradients, also InvalidInput for
+// one that is not finite.
 ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options = {});
 
 // What the checks of a surface find wrong with it, a line for each; empty if all is well.

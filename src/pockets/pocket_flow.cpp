@@ -17,7 +17,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 class FlowFinder {
  public:
@@ -167,7 +167,7 @@ double face_alpha(const PowerTriangulation& t, std::uint32_t cell, std::size_t k
 WidestWays::WidestWays(const PowerTriangulation& t, const std::vector<std::uint8_t>& obtuse,
 
                        const std::vector<std::uint32_t>& wanted, Monitor* monitor)
-    : alpha_(t.cells.size(), -kInfinity) {
+    : alpha_(t.cells.size(), -kUnbounded) {
   std::vector<std::uint8_t> is_wanted(t.cells.size(), 0), settled(t.cells.size(), 0);
   std::size_t open = 0;
   for (const std::uint32_t c : wanted) open += !std::exchange(is_wanted[c], std::uint8_t{1});
@@ -191,7 +191,7 @@ WidestWays::WidestWays(const PowerTriangulation& t, const std::vector<std::uint8
   for (std::uint32_t c = 0; c < t.cells.size(); ++c) {
     if (is_finite_cell(t, c)) continue;
     settled[c] = 1;
-    alpha_[c] = kInfinity;
+    alpha_[c] = kUnbounded;
   }
   for (std::uint32_t c = 0; c < t.cells.size(); ++c) {
     if (!is_finite_cell(t, c)) leave(c);

@@ -13,8 +13,22 @@ from program import SOURCE_DIR, UNSEEN, run
 DOCUMENTS = sorted({*SOURCE_DIR.glob("*.md"), *(SOURCE_DIR / "docs").glob("**/*.md"),
                     *(SOURCE_DIR / "bench").glob("*.md")})  # fmt: skip
 RANKS_PAGE = pathlib.Path(os.environ["VDWMESH_MANUAL_DIR"]) / "man1" / "vdwmesh-mpi.1"
+# Older names of values, which are read and not shown, by the names that are shown in their place.
+NAMES = SOURCE_DIR / "src" / "request" / "names.hpp"
 # The first word after the program's name that begins a sentence about it, not a command.
 PROSE = {"--version", "--help", "VERB"}
+
+
+def older_names(text):
+    """The names of each table of names.hpp that are shown, and those that are read only."""
+    found = {}
+    for table in re.findall(r"= *names<\w+>\(\{(.*?)\}\);", re.sub(r"\s+", " ", text)):
+        rows = re.findall(r'\{ ?"([\w-]+)", [\w:]+(, NameUse::accepted)?', table)
+        found[frozenset(name for name, older in rows if not older)] = {name for name, older in rows if older}
+    return found
+
+
+OLDER_NAMES = older_names(NAMES.read_text())
 
 
 class Helps:
@@ -39,7 +53,8 @@ class Helps:
             names = re.match(r"((?:-[\w-]+,? ?)+)", entry)[1].replace(",", "").split()
             plain = re.sub(r"\s+", " ", entry)
             values = re.search(r" NAME.*: ([\w-]+(?:(?:, | or )[\w-]+)+)(?: \[|$)", plain)
-            options.update(dict.fromkeys(names, set(re.split(", | or ", values[1])) if values else set()))
+            shown = set(re.split(", | or ", values[1])) if values else set()
+            options.update(dict.fromkeys(names, shown | OLDER_NAMES.get(frozenset(shown), set())))
         return options
 
 
@@ -127,6 +142,13 @@ class TheCheckItself(unittest.TestCase):
                 "`vdwmesh study a.pdb -o DIR --field vdw,soft` and `vdwmesh exact A [--probe 1.4]`\n")  # fmt: skip
         self.assertEqual(len(list(commands(text))), 4)
         self.assertEqual(self.faults(text), [])
+
+    def test_names_that_are_read_and_not_shown(self):
+        self.assertEqual(older_names('x = names<A>({{"a", A::a},\n {"b", A::b}, {"old",\n A::b, NameUse::accepted}});'),
+                         {frozenset("ab"): {"old"}})  # fmt: skip
+        self.assertEqual(self.faults("`vdwmesh exact a.pdb --surface excluded` `vdwmesh exact a.pdb --surface ses`"), [])
+        self.assertEqual(self.faults("`vdwmesh exact a.pdb --surface connolly`"),
+                         ["vdwmesh exact --surface: there is no connolly"])  # fmt: skip
 
     def test_what_is_stale(self):
         self.assertEqual(self.faults("`vdwmesh draw a.pdb`"), ["vdwmesh has no verb draw"])

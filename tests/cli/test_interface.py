@@ -3,8 +3,9 @@
 import csv
 import json
 import math
+from pathlib import Path
 
-from program import BAD_INPUT, ProgramTest, need_shared, parse_json, schema_validator
+from program import BAD_INPUT, ProgramTest, need_shared, parse_json, run, schema_validator
 
 SAME = 1e-12  # relative: the rounding of sums over some thousand atoms, printed in full
 ATOM = "ATOM  {0:5}  CA  ALA {1}{2:4}    {3:8.3f}   0.000   0.000  1.00  0.00           C  \n"
@@ -53,6 +54,60 @@ class Interface(ProgramTest):
         one, _ = self.interfaces(path, "B", "A")
         self.assertEqual(one[0]["buried_area"], by_chain["A", "B"]["buried_area"])
         self.assertEqual(one[0]["buried_a"], by_chain["A", "B"]["buried_b"])
+
+    def test_complementarity_of_two_balls(self):
+        """Carbon atoms (1.7 Å) at 6 Å: the fit falls from the axis to the rim, so the median of S is its value where
+        half of the fitted cap's area lies within. Nothing is fitted here: the rim of 1.5 Å is wider than the buried cap,
+        whose half-angle has the cosine d / 2 (r + p)."""
+        path = self.chain_of_atoms(("A", 0), ("B", 6))
+        (pair,), _ = self.interfaces(path, "--samples", "64")
+        fit = pair["complementarity"]
+        self.assertIsNone(fit["sc"])
+        self.assertEqual(fit["fitted_a"], 0)
+        cap = 2 * math.pi * 1.7**2 * (1 - 6 / (2 * 3.1))
+        self.assertAlmostEqual(fit["excluded_buried_a"], cap, delta=2 / 64)  # a sample stands for 1/64 Å²
+        self.assertIsNone(self.interfaces(path)[0][0]["complementarity"])
+
+    def test_complementarity_of_chains(self):
+        path = need_shared("molecules/thesis/4HHB.pdb")
+        swapped, straight = (
+            self.interfaces(path, *sides, "--samples", "16")[0][0]["complementarity"] for sides in (("B", "A"), ("A", "B"))
+        )
+        # By the facets of meshes with 10, 30 and 60 triangles per Å², instead of samples, and their normals, Sc is 0.5042, 0.5119
+        # and 0.5139; their distances to the limit fall as the edges get shorter, to 0.517.
+        self.assertAlmostEqual(straight["sc"], 0.517, delta=0.003)
+        self.assertLessEqual(straight["error"], 0.004)
+        self.assertAlmostEqual(swapped["sc"], straight["sc"], delta=2 * (swapped["error"] + straight["error"]))
+
+    def test_excluded_surface_beside_three_runs(self):
+        path = need_shared("molecules/thesis/4HHB.pdb")
+        (pair,), _ = self.interfaces(path, "A", "B", "--surface", "ses")
+        out = self.folder / "e.json"
+        runs = []
+        for chains in ("A", "B", "A,B"):
+            self.run_ok("exact", path, "--surface", "ses", "--select", chains, "--topology", "off", "--json", out)
+            runs.append(parse_json(out.read_text())["excluded"]["complete"])
+        a, b, both = (run["area"] for run in runs)
+        found = pair["excluded"]
+        self.assertAlmostEqual(found["buried_area"], a + b - both, delta=1e-10 * both)
+        self.assertAlmostEqual(found["area_in_pair"], both, delta=SAME * both)
+        gap = runs[2]["volume"] - runs[0]["volume"] - runs[1]["volume"]
+        self.assertAlmostEqual(found["gap_volume"], gap, delta=1e-10 * runs[2]["volume"])
+        self.assert_refused(BAD_INPUT, "interface", path, "--surface", "vdw", says=["choose sas or ses"])
+
+    def test_rows_of_a_batch(self):
+        folder = self.folder / "many"
+        folder.mkdir()
+        for name, chains in (("a", "AB"), ("b", "ABA"), ("c", "AA")):
+            source = self.chain_of_atoms(*((chain, 4.0 * i) for i, chain in enumerate(chains)))
+            source.rename(folder / f"{name}.pdb")
+        result = run("batch", folder, "--verb", "interface")
+        rows = {Path(row["name"]).name: row for row in map(parse_json, result.stdout.splitlines())}
+        for name in "ab":
+            row = rows[f"{name}.pdb"]
+            self.assertEqual(row["interfaces"], self.interfaces(folder / f"{name}.pdb")[0])
+            self.assertEqual(row["buried_area"], row["interfaces"][0]["buried_area"])
+        self.assertIn("side", rows["c.pdb"]["error"])
 
     def test_two_atoms(self):
         """Balls of radius r = 1.7 + 1.4 (Bondi 1964) at a distance d: caps and a disk."""

@@ -52,6 +52,7 @@ class KeywordPairs(unittest.TestCase):
         places = np.stack([coords, coords + 0.3, coords * 1.1])
         ball = vdwmesh.mesh(coords, radii, edge_length=0.9)
         corners = 4.6 * np.indices((2, 2, 2)).reshape(3, 8).T
+        bars = np.stack([corners, corners * 0.5, corners * 1.02])  # the second has no room for a pocket
         x, y, z = np.mgrid[-1:1:9j, -1:1:9j, -1:1:9j]
         around = coords.mean(0) + np.stack(np.mgrid[-4:5:2, -4:5:2, -4:5:2], axis=-1).reshape(-1, 3)
         cls.calls = {
@@ -59,8 +60,10 @@ class KeywordPairs(unittest.TestCase):
             "batch": lambda **k: list(vdwmesh.batch([cls.path, cls.path], **k)),
             "sample": lambda **k: vdwmesh.sample("bpti", **k),
             "exact": lambda **k: vdwmesh.exact(coords, radii, **k),
+            "interface": lambda **k: vdwmesh.interface(cls.molecule, **k),
             "sasa": lambda **k: vdwmesh.sasa(coords, radii, **k),
             "pockets": lambda **k: vdwmesh.pockets(corners, [1.5] * 8, **k),
+            "pocket_frames": lambda **k: list(vdwmesh.pocket_frames(bars, **{"radii": [1.5] * 8, **k})),
             "frames": lambda **k: list(vdwmesh.frames(places, **{"radii": radii, **k})),
             "meshes": lambda **k: list(vdwmesh.meshes(places, **{"radii": radii, **k})),
             "mesh": lambda **k: vdwmesh.mesh(coords, radii, **k),

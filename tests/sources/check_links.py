@@ -1,4 +1,5 @@
-"""Links between the documents: every relative one leads to a file, and to a heading of it.
+"""Links between the documents: every relative one leads to a file, and to a heading of it. The paths in the last
+column of the glossary lead to files or folders of src/.
 
     check_links.py SOURCE_DIR
 
@@ -74,8 +75,17 @@ def wrong_links(root):
         yield f"no link in {root}"
 
 
+def wrong_paths(root):
+    """Paths of the glossary: what ends its rows between backticks and in small letters; the names of types are not."""
+    for line, row in enumerate((root / "docs" / "glossary.md").read_text().splitlines(), 1):
+        place = re.search(r"\| `([a-z][a-z_/.]*)` \|$", row)
+        if place and not (root / "src" / place[1]).exists():
+            yield f"docs/glossary.md:{line}: there is no src/{place[1]}"
+
+
 def main(root):
-    faults = list(wrong_links(pathlib.Path(root).resolve()))
+    root = pathlib.Path(root).resolve()
+    faults = [*wrong_links(root), *wrong_paths(root)]
     print("\n".join(faults) or "no fault")
     return 1 if faults else 0
 

@@ -40,6 +40,16 @@ class LinksTest(unittest.TestCase):
     def test_what_is_no_link(self):
         self.assertEqual(self.faults(a="`[a](b)`\n```\n[a](b)\n```\n[a](https://b/c) [d](#d)\n# d\n"), [])
 
+    def test_paths_of_the_glossary(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for part in ("docs", "src/room"):
+                (root / part).mkdir(parents=True)
+            (root / "src/room/a.hpp").touch()
+            (root / "docs/glossary.md").write_text(
+                "| a | b `no/path` | `room/a.hpp` |\n| b | c | `room` |\n| c | d | `TypeName` |\n| d | e | `room/b.hpp` |\n")
+            self.assertEqual(list(check_links.wrong_paths(root)), ["docs/glossary.md:4: there is no src/room/b.hpp"])
+
     def test_a_project_without_links_is_no_success(self):
         self.assertEqual(len(self.faults(a="# A\n")), 1)
 

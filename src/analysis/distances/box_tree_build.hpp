@@ -82,7 +82,7 @@ VDWMESH_HD constexpr std::uint64_t nodes_over(std::uint64_t count) {
 template <class BoxOf>
 VDWMESH_HD inline BoxNode node_over(std::uint64_t n, std::uint64_t count,
                                     const BoxOf& scaled_box_of) {
-  Box boxes[BoxNode::kWidth];
+  Box boxes[BoxNode::kWidth]{};  // GCC 14 does not see that every node has a child
   const std::uint64_t first = BoxNode::kWidth * n, left = count - first;
   const int here = left < BoxNode::kWidth ? static_cast<int>(left) : BoxNode::kWidth;
   for (int i = 0; i < here; ++i) boxes[i] = scaled_box_of(first + static_cast<std::uint64_t>(i));

@@ -181,6 +181,44 @@ double distance_of(const FinderView& s, const Vec3d& point, const LeastGap& leas
   return is_beyond_probes(s, point, nearest, least) ? candidate : to_curves;
 }
 
+// The nearest accessible point, if the ball of least gap has it.
+std::optional<Vec3d> foot_on_ball(const FinderView& s, const Vec3d& point, const LeastGap& least) {
+  const Sphere& ball = s.accessible.balls[least.patch];
+  const Vec3d from_center = point - ball.center;
+  const double length = norm(from_center);
+  if (!(length > 0)) return std::nullopt;
+  return ball.center + (ball.radius / length) * from_center;
+}
+
+JudgedPoint judged(const FinderView& s, const Vec3d& point, const LeastGap& least, double reach,
+                   std::uint32_t& hint) {
+  JudgedPoint found{.distance = distance_of(s, point, least, hint),
+                    .depth = std::max(-least.gap, 0.0),
+                    .foot = std::nullopt,
+                    .to_curves = distance_to_curves(s, point, 0, reach),
+                    .by_curve = false};
+  if (is_decided(s, point, least)) {
+    found.foot = least.gap < 0 ? foot_on_ball(s, point, least) : std::optional(point);
+    return found;
+  }
+  const double squared_gap = least.gap * least.gap;
+  const NearestArc nearest =
+      nearest_arc(s, point, squared_gap, std::numeric_limits<double>::infinity(), hint);
+  found.depth = std::sqrt(std::max(nearest.squared, squared_gap));
+  if (nearest.arc != kNoIndex) found.foot = s.arcs[nearest.arc].nearest_point(point);
+  found.by_curve = found.distance > s.probe - found.depth;
+  return found;
+}
+
+VDWMESH_MULTIVERSION void judge_all(const FinderView& s, std::span<const Vec3d> points,
+                                    const LeastGap* nearest, std::span<const double> reach,
+                                    JudgedPoint* found) {
+  std::uint32_t hint = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    found[i] = judged(s, points[i], nearest[i], reach[i], hint);
+  }
+}
+
 VDWMESH_MULTIVERSION void measure_all(const FinderView& s, std::span<const Vec3d> points,
                                       const LeastGap* nearest, double* found) {
   std::uint32_t hint = 0;
@@ -210,6 +248,15 @@ void ExcludedFinder::find(std::span<const Vec3d> points, double* found) const {
   measure_all({accessible_.view(), curve_tree_.view(), arc_tree_.view(), surface_.curves,
                surface_.arcs, probe_, tolerance_, surface_, sphere_of_},
               points, nearest.data(), found);
+}
+
+void ExcludedFinder::judge(std::span<const Vec3d> points, std::span<const double> reach,
+                           JudgedPoint* found) const {
+  std::vector<LeastGap> nearest(points.size());
+  accessible_.find_gaps(points, nearest.data());
+  judge_all({accessible_.view(), curve_tree_.view(), arc_tree_.view(), surface_.curves,
+             surface_.arcs, probe_, tolerance_, surface_, sphere_of_},
+            points, nearest.data(), reach, found);
 }
 
 }  // namespace vdwmesh::excluded

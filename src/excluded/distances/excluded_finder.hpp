@@ -12,12 +12,22 @@
 // σ is then the signed distance to that region's border, and negative in cavities too.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "analysis/distances/exposed_surface.hpp"
 #include "excluded/distances/judged_surface.hpp"
 
 namespace vdwmesh::excluded {
+
+// What a point's distance comes from, lengths in Å.
+struct JudgedPoint {
+  double distance;  // as find() writes it
+  double depth;     // -σ: the distance from the nearest accessible point; 0 at such points
+  std::optional<Vec3d> foot;  // that point; empty if there are several
+  double to_curves;           // to the nearest crease or cusp, or the reach if that is less
+  bool by_curve;              // `distance` is that to the nearest crease or cusp, and not σ + p
+};
 
 class ExcludedFinder {
  public:
@@ -29,6 +39,10 @@ class ExcludedFinder {
   // Writes the signed distance of each point to `found`, Å. The search is fast if consecutive
   // points are near each other.
   void find(std::span<const Vec3d> points, double* found) const;
+  // The same with reasons. Creases and cusps are looked for within a reach for each point.
+  void judge(std::span<const Vec3d> points, std::span<const double> reach,
+             JudgedPoint* found) const;
+  double tolerance() const { return tolerance_; }  // Å: distances may be wrong by so much
 
  private:
   const JudgedSurface& surface_;

@@ -26,7 +26,18 @@ std::vector<std::uint8_t> components_of(const AccessibleSurface& surface, Exclud
   return std::vector<std::uint8_t>(surface.components.size(), 1);
 }
 
+// The direction of the probe at the start of an arc, from the centre of its circle.
+Vec3d start_of(const RolledArc& arc) {
+  return arc.is_ring() ? any_orthogonal(arc.axis) : arc.radial[0];
+}
+
 }  // namespace
+
+std::vector<ProfileAngles> profile_ranges(const RolledArc& arc) {
+  const Profile profile = profile_of(arc);
+  if (!profile.spindle) return {{profile.end[0], profile.end[1]}};
+  return {{profile.end[0], -profile.cusp}, {profile.cusp, profile.end[1]}};
+}
 
 CircleArc::CircleArc(const Vec3d& center, const Vec3d& axis, const Vec3d& start, double radius,
                      double sweep)
@@ -102,8 +113,7 @@ JudgedSurface::JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart 
 }
 
 CircleArc JudgedSurface::in_place(const RolledArc& arc) const {
-  const Vec3d start = arc.is_ring() ? any_orthogonal(arc.axis) : arc.radial[0];
-  return {in_angstrom(arc.center), arc.axis, start, unit * arc.circle_radius, arc.angle};
+  return {in_angstrom(arc.center), arc.axis, start_of(arc), unit * arc.circle_radius, arc.angle};
 }
 
 CircleArc JudgedSurface::place_of(const Probe& held) const {
@@ -155,6 +165,49 @@ bool JudgedSurface::includes_point(SphereId sphere, const Vec3d& point) const {
     is_included = border.included;
   }
   return is_included;
+}
+
+// The way to an exposed point of an included piece crosses an arc of that piece, if it begins
+// outside of the piece.
+bool JudgedSurface::may_include(SphereId sphere, const Vec3d& point, double reach) const {
+  if (includes_point(sphere, point)) return true;
+  const auto borders = borders_.find(sphere);
+  return borders != borders_.end() &&
+         std::ranges::any_of(borders->second, [&](const Border& border) {
+           return border.included && border.arc.squared_distance(point) <= reach * reach;
+         });
+}
+
+std::vector<PatchSide> JudgedSurface::sides_of(std::uint32_t probe) const {
+  return cut_of[probe] != kNoIndex ? cut[cut_of[probe]].sides
+                                   : patch_sides(grown.surface, grown.surface.probes[probe]);
+}
+
+// Probes are in no cell list.
+std::vector<Cover> JudgedSurface::covers_of(std::uint32_t probe) const {
+  std::vector<Cover> covers;
+  for (const PatchSide& side : sides_of(probe)) {
+    covers.push_back({{-1.0 * side.inward, 0}, kNoPlace});
+  }
+  if (cut_of[probe] == kNoIndex) return covers;
+  for (const PatchCap& cap : cut[cut_of[probe]].caps) {
+    covers.push_back({{cap.axis, cap.cosine}, kNoPlace});
+  }
+  return covers;
+}
+
+Vec3d JudgedSurface::on_circle(const RolledArc& arc, double turn) const {
+  const Vec3d start = start_of(arc);
+  const Vec3d radial = std::cos(turn) * start + std::sin(turn) * cross(arc.axis, start);
+  return in_angstrom(arc.center + arc.circle_radius * radial);
+}
+
+Vec3d JudgedSurface::on_saddle(const RolledArc& arc, double turn, double profile) const {
+  const double p = grown.surface.probe_radius;
+  const Vec3d start = start_of(arc);
+  const Vec3d radial = std::cos(turn) * start + std::sin(turn) * cross(arc.axis, start);
+  return in_angstrom(arc.center + (arc.circle_radius - p * std::cos(profile)) * radial +
+                     (p * std::sin(profile)) * arc.axis);
 }
 
 bool JudgedSurface::has_certified_patch(std::uint32_t probe) const {

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "analysis/survey/patch.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "excluded/patches/concave_patch.hpp"
 #include "excluded/probes/grown_atoms.hpp"
@@ -40,6 +41,12 @@ class CircleArc {
   double least_cosine_;  // of the angle from the middle to points of the arc
 };
 
+// Profile angles between which a saddle is one piece: two ranges of a spindle, one otherwise.
+struct ProfileAngles {
+  double from, to;
+};
+std::vector<ProfileAngles> profile_ranges(const RolledArc& arc);
+
 struct JudgedSurface {
   // Throws as excluded_measures() does.
   JudgedSurface(const SphereSet& atoms, double probe, ExcludedPart part, Monitor* monitor);
@@ -58,6 +65,17 @@ struct JudgedSurface {
   bool includes_all() const { return pieces_.empty(); }
   // Whether an exposed point, Å, of the sphere of a grown ball is the centre of an included probe.
   bool includes_point(SphereId sphere, const Vec3d& point) const;
+  // Whether it may be one, if the point is exposed, or an exposed point within `reach`, Å.
+  bool may_include(SphereId sphere, const Vec3d& point, double reach) const;
+
+  // The sides of the patch of a probe, and the caps that are taken from the probe's sphere; the
+  // patch is the rest: the caps are a half-sphere behind each side, and what other probes cover.
+  std::vector<PatchSide> sides_of(std::uint32_t probe) const;
+  std::vector<Cover> covers_of(std::uint32_t probe) const;
+  // The centre of the probe at a turn along an arc, and the point that it touches at a profile
+  // angle, Å.
+  Vec3d on_circle(const RolledArc& arc, double turn) const;
+  Vec3d on_saddle(const RolledArc& arc, double turn, double profile) const;
 
   // A scaled position relative to the origin of the accessible surface, in Å.
   Vec3d in_angstrom(const Vec3d& position) const {

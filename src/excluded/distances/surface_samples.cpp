@@ -1,33 +1,16 @@
 // SurfaceSamples: on spheres of atoms and probes those points of a lattice that lie in the patch,
 // and on saddles points at even steps of area.
 //
-// A concave patch is the sphere of its probe less caps: a half-sphere behind each side, and what
-// other probes cover. So it is sampled as the patch of a ball is.
+// A concave patch is sampled as the patch of a ball is (JudgedSurface::covers_of()).
 #include "excluded/distances/surface_samples.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "analysis/distances/distances_samples.hpp"
-#include "spheres/directions.hpp"
 
 namespace vdwmesh::excluded {
 namespace {
-
-// The direction of the probe at the start of an arc, from the centre of its circle.
-Vec3d start_of(const RolledArc& arc) {
-  return arc.is_ring() ? any_orthogonal(arc.axis) : arc.radial[0];
-}
-
-// Profile angles between which the saddle is one piece: two ranges of a spindle, one otherwise.
-struct ProfileAngles {
-  double from, to;
-};
-std::vector<ProfileAngles> ranges_of(const RolledArc& arc) {
-  const Profile profile = profile_of(arc);
-  if (!profile.spindle) return {{profile.end[0], profile.end[1]}};
-  return {{profile.end[0], -profile.cusp}, {profile.cusp, profile.end[1]}};
-}
 
 // The area of a saddle between two profile angles, divided by its turn and by the probe's radius.
 double area_between(double rho, double p, double from, double to) {
@@ -46,17 +29,6 @@ double profile_at(double rho, double p, const ProfileAngles& range, double share
   return 0.5 * (below + above);
 }
 
-// The caps that are taken from the probe's sphere; a concave patch is the rest. Probes are
-// in no cell list.
-std::vector<Cover> covers_of(const std::vector<PatchSide>& sides,
-                             const std::vector<PatchCap>& caps) {
-  std::vector<Cover> covers;
-  covers.reserve(sides.size() + caps.size());
-  for (const PatchSide& side : sides) covers.push_back({{-1.0 * side.inward, 0}, kNoPlace});
-  for (const PatchCap& cap : caps) covers.push_back({{cap.axis, cap.cosine}, kNoPlace});
-  return covers;
-}
-
 }  // namespace
 
 std::size_t SurfaceSamples::element_count() const {
@@ -66,7 +38,16 @@ std::size_t SurfaceSamples::element_count() const {
 
 void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& inside,
                          std::vector<Vec3d>& border, const std::function<void()>& take) const {
-  const Sink sink{inside, border, take};
+  add_to({inside, border, take}, element);
+}
+
+void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& points,
+                         std::vector<Vec3d>& probes) const {
+  std::vector<Vec3d> border;
+  add_to({points, border, [] {}, &probes}, element);
+}
+
+void SurfaceSamples::add_to(const Sink& sink, std::size_t element) const {
   const AccessibleSurface& s = surface_.grown.surface;
   const Random random(seed_, element);
   if (element < contacts_.size()) return add_contact(contacts_[element], random, sink);
@@ -85,25 +66,19 @@ void SurfaceSamples::add_contact(const Patch& grown, Random random, const Sink& 
   Patch patch = grown;
   patch.ball.radius -= probe_;
   const double growth = grown.ball.radius / patch.ball.radius;
+  const auto probe_at = [&](const Vec3d& point) {
+    return grown.ball.center + growth * (point - grown.ball.center);
+  };
   const auto is_included = [&](const Vec3d& point) {
-    const Vec3d& center = grown.ball.center;
-    return surface_.includes_point(sphere_of_[grown.place], center + growth * (point - center));
+    return surface_.includes_point(sphere_of_[grown.place], probe_at(point));
   };
   sample_patch(patch, density_, random, [&](const Vec3d& point) {
-    if (is_included(point)) sink.add_inside(point);
+    if (is_included(point)) sink.add_inside(point, probe_at(point));
   });
   for (std::uint32_t i = 0; i < patch.corner_count; ++i) {
     const Vec3d corner = patch.ball.center + patch.ball.radius * patch.corners[i].position;
     if (is_included(corner)) sink.add_border(corner);
   }
-}
-
-Vec3d SurfaceSamples::on_saddle(const RolledArc& arc, double turn, double profile) const {
-  const double p = surface_.grown.surface.probe_radius;
-  const Vec3d start = start_of(arc);
-  const Vec3d radial = std::cos(turn) * start + std::sin(turn) * cross(arc.axis, start);
-  return surface_.in_angstrom(arc.center + (arc.circle_radius - p * std::cos(profile)) * radial +
-                              (p * std::sin(profile)) * arc.axis);
 }
 
 // The points rise by equal steps of area across the saddle, while multiples of the golden ratio
@@ -112,7 +87,7 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, const Sink&
   if (!surface_.includes(arc)) return;
   constexpr double kInverseGoldenRatio = 0.6180339887498948482;
   const double p = surface_.grown.surface.probe_radius, rho = arc.circle_radius;
-  for (const ProfileAngles& range : ranges_of(arc)) {
+  for (const ProfileAngles& range : profile_ranges(arc)) {
     if (!(range.from < range.to)) continue;
     const double area =
         surface_.unit * surface_.unit * arc.angle * p * area_between(rho, p, range.from, range.to);
@@ -121,12 +96,13 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, const Sink&
     for (std::uint64_t i = 0; i < count; ++i) {
       const double along = shift + static_cast<double>(i) * kInverseGoldenRatio;
       const double across = (static_cast<double>(i) + random.next()) / static_cast<double>(count);
-      sink.add_inside(on_saddle(arc, arc.angle * (along - std::floor(along)),
-                                profile_at(rho, p, range, across)));
+      const double turn = arc.angle * (along - std::floor(along));
+      sink.add_inside(surface_.on_saddle(arc, turn, profile_at(rho, p, range, across)),
+                      surface_.on_circle(arc, turn));
     }
     for (const double turn : {0.0, 0.5 * arc.angle, arc.angle}) {
       for (const double profile : {range.from, 0.5 * (range.from + range.to), range.to}) {
-        sink.add_border(on_saddle(arc, turn, profile));
+        sink.add_border(surface_.on_saddle(arc, turn, profile));
       }
     }
   }
@@ -135,11 +111,8 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, const Sink&
 void SurfaceSamples::add_concave(std::uint32_t probe, Random random, const Sink& sink) const {
   const AccessibleSurface& s = surface_.grown.surface;
   if (surface_.included[s.probes[probe].component] == 0) return;
-  const bool is_cut = surface_.cut_of[probe] != kNoIndex;
-  const std::vector<PatchSide> sides =
-      is_cut ? surface_.cut[surface_.cut_of[probe]].sides : patch_sides(s, s.probes[probe]);
-  const std::vector<Cover> covers = covers_of(
-      sides, is_cut ? surface_.cut[surface_.cut_of[probe]].caps : std::vector<PatchCap>());
+  const std::vector<PatchSide> sides = surface_.sides_of(probe);
+  const std::vector<Cover> covers = surface_.covers_of(probe);
   const Patch patch{{surface_.in_angstrom(s.probes[probe].center), probe_},
                     kNoPlace,
                     0,
@@ -147,7 +120,8 @@ void SurfaceSamples::add_concave(std::uint32_t probe, Random random, const Sink&
                     0,
                     covers.data(),
                     nullptr};
-  sample_patch(patch, density_, random, [&](const Vec3d& point) { sink.add_inside(point); });
+  sample_patch(patch, density_, random,
+               [&](const Vec3d& point) { sink.add_inside(point, patch.ball.center); });
   Vec3d middle{0, 0, 0};
   for (const PatchSide& side : sides) middle = middle + side.contact[0];
   if (!(squared_norm(middle) > 0) || !is_exposed(patch, unit(middle))) return;

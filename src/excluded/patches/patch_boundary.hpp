@@ -173,6 +173,13 @@ VDWMESH_HD Vec3d segment_vector(const CutPatch<Lists>& patch, const PatchSegment
   return -0.5 * ((squared_sine * s.angle) * axis - h * cross(axis, s.to - s.from));
 }
 
+// ∫ w dψ along a segment of a cap's circle, with the angle ψ about the cap's axis.
+template <class Lists>
+VDWMESH_HD Vec3d segment_integral(const CutPatch<Lists>& patch, const PatchSegment& s) {
+  const Vec3d axis = patch.axis_of(s.circle);
+  return (patch.cosine_of(s.circle) * s.angle) * axis + cross(axis, s.to - s.from);
+}
+
 // Chains the segments to loops by the names of the circles that meet in their ends, and numbers the
 // loops in PatchSegment::piece. Calls on_segment(segment) for the segments of a loop, then
 // on_loop(solid_angle, is_hole). Returns whether all loops close.

@@ -8,6 +8,7 @@
 
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
+#include "excluded/patches/patch_boundary.hpp"
 
 namespace vdwmesh::excluded {
 namespace {
@@ -131,6 +132,8 @@ void PatchRecords::add_cut(const AccessibleSurface& surface, const ConcavePatch&
                     to = crease_end(surface, patch, s.circle, s.next);
     creases.push_back({patch.probe, cap.probe, first + s.piece, from, to});
     piece.bend -= s.angle * cap.cosine;
+    piece.crease_turn += s.angle * cap.cosine;
+    piece.crease_vector = piece.crease_vector + cap.cosine * segment_integral(patch, s);
     if (s.next == kNoIndex) continue;
     piece.bend -= kPi - s.turning;
     if (!to.is_cusp()) piece.bend += 2 * kPi / 3;

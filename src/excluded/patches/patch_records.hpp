@@ -43,6 +43,10 @@ struct ConcavePiece {
   double solid_angle;
   Vec3d vector;  // ∫ w dω
   double bend;   // integral of the Gaussian curvature, with its share of creases and of their ends
+  // Sums over its creases of h ∫ dψ and of h ∫ w dψ, with the angle ψ about the cap's axis and the
+  // cosine h of the cap: how the areas on both sides change if the probe grows and moves.
+  double crease_turn = 0;
+  Vec3d crease_vector = {0, 0, 0};
 };
 
 // The concave patches of the probes of some components of the accessible surface.

@@ -260,7 +260,7 @@ class ArrayDecoder {
     for (std::size_t i = 0; i < elements.size() && made < values.size(); ++i) {
       sum += elements[i];
       values[made] = narrow(sum);
-      is_open = (elements[i] == upper) | (elements[i] == lower);
+      is_open = (int{elements[i] == upper} | int{elements[i] == lower}) != 0;
       made += !is_open;
       sum &= -static_cast<std::int64_t>(is_open);
     }

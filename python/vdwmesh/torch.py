@@ -1,0 +1,87 @@
+"""Exact areas and volumes of atoms as functions of PyTorch, which this module imports."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from vdwmesh._exact import exact
+
+torch: Any = import_module("torch")  # types are not checked, whether it is installed or not
+once_differentiable = torch.autograd.function.once_differentiable
+
+__all__ = ["areas", "measures", "volumes"]
+
+
+def measures(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> tuple[Any, Any]:
+    """Exact area and volume of every atom, with exact derivatives by coordinates and radii.
+
+    The backward pass measures again, with the incoming gradients as weights. There is no second
+    derivative: it is infinite where two circles of a sphere touch.
+
+    Parameters
+    ----------
+    coords : Tensor, shape (N, 3)
+        Centres, Å. Numbers of other types than float64 are converted, and gradients back.
+    radii : Tensor, shape (N,)
+        Å.
+    probe : float
+        Added to every radius, Å.
+    threads : int, optional
+        At most so many; all cores by default.
+
+    Returns
+    -------
+    areas, volumes : Tensor of float64, shape (N,)
+        Å², Å³, as of `exact`.
+
+    Examples
+    --------
+    >>> import torch, vdwmesh.torch
+    >>> coords = torch.tensor([[0.0, 0, 0], [1, 0, 0]], dtype=torch.float64, requires_grad=True)
+    >>> vdwmesh.torch.areas(coords, torch.ones(2)).sum().backward()
+    >>> round(float(coords.grad[1, 0]) / torch.pi, 9)  # the area is 2 pi (2 + d)
+    2.0
+    """
+    areas, volumes = _Measures.apply(coords, radii, probe, threads)
+    return areas, volumes
+
+
+def areas(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> Any:
+    """The areas of `measures`."""
+    return measures(coords, radii, probe=probe, threads=threads)[0]
+
+
+def volumes(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> Any:
+    """The volumes of `measures`."""
+    return measures(coords, radii, probe=probe, threads=threads)[1]
+
+
+def _array(tensor: Any) -> Any:
+    return tensor.detach().to("cpu", torch.float64).numpy()
+
+
+class _Measures(torch.autograd.Function):  # type: ignore[misc]
+    @staticmethod
+    def forward(ctx: Any, coords: Any, radii: Any, probe: float, threads: int | None) -> tuple[Any, Any]:
+        ctx.save_for_backward(coords, radii)
+        ctx.options = {"probe": probe, "threads": threads}
+        union = exact(_array(coords), _array(radii), device="cpu", **ctx.options)
+        return (
+            torch.tensor(union.atom_area, device=coords.device),
+            torch.tensor(union.atom_volume, device=coords.device),
+        )
+
+    @staticmethod
+    @once_differentiable  # type: ignore[misc]
+    def backward(ctx: Any, area_grads: Any, volume_grads: Any) -> tuple[Any, Any, None, None]:
+        coords, radii = ctx.saved_tensors
+        weights = (_array(area_grads), _array(volume_grads))
+        found = exact(_array(coords), _array(radii), gradient=True, weights=weights, **ctx.options).gradient
+        assert found is not None
+        return (
+            torch.tensor(found.area_coords + found.volume_coords).to(coords),
+            torch.tensor(found.area_radii + found.volume_radii).to(radii),
+            None,
+            None,
+        )

@@ -1,0 +1,104 @@
+"""vdwmesh.exact(gradient=True) and vdwmesh.torch beside references in quad precision and the program."""
+
+import csv
+import unittest
+
+import numpy as np
+import vdwmesh
+from program import ProgramTest, need_package, need_shared
+
+COLUMNS = ("dA_dx", "dA_dy", "dA_dz", "dA_dr", "dV_dx", "dV_dy", "dV_dz", "dV_dr")
+BAR = 1e-10  # times 1 + the size of the reference
+
+
+def reference(name, probe):
+    """The balls of a set, and what is known of each: plain derivatives, and weighted ones."""
+    balls = np.loadtxt(need_shared(f"reference/{name}.xyzr"))
+    with open(need_shared("reference/gradients.csv"), newline="") as file:
+        rows = [row for row in csv.DictReader(file) if (row["set"], float(row["probe"])) == (name, probe)]
+    plain = np.array([[float(row[c]) for c in COLUMNS] for row in rows])
+    weighted = np.array([[float(row[c.replace("_", "w_")]) for c in COLUMNS] for row in rows])
+    return balls[:, :3], balls[:, 3], plain, weighted
+
+
+def columns(gradient):
+    return np.column_stack(
+        (gradient.area_coords, gradient.area_radii, gradient.volume_coords, gradient.volume_radii)
+    )
+
+
+def assert_close(found, expected):
+    np.testing.assert_array_less(np.abs(found - expected), BAR * (1 + np.abs(expected)))
+
+
+class GradientTest(ProgramTest):
+    def test_references(self):
+        coords, radii, plain, weighted = reference("1CRN", 1.4)
+        union = vdwmesh.exact(coords, radii, probe=1.4, gradient=True)
+        assert_close(columns(union.gradient), plain)
+        self.assertEqual(union.area, vdwmesh.exact(coords, radii, probe=1.4).area)
+        weights = np.arange(len(radii)) % 7 / 7 + 0.25
+        for given in (weights, (weights, weights)):
+            found = vdwmesh.exact(coords, radii, probe=1.4, gradient=True, weights=given)
+            assert_close(columns(found.gradient), weighted)
+        mixed = vdwmesh.exact(coords, radii, probe=1.4, gradient=True, weights=(None, weights)).gradient
+        assert_close(columns(mixed)[:, :4], plain[:, :4])
+        assert_close(columns(mixed)[:, 4:], weighted[:, 4:])
+
+    def test_the_program_writes_the_same(self):
+        self.run_ok("exact", "--sample", "bpti", "--gradient", self.folder / "g.csv")
+        table = np.genfromtxt(self.folder / "g.csv", delimiter=",", names=True)
+        self.assertEqual(table.dtype.names, COLUMNS)
+        molecule = vdwmesh.sample("bpti")
+        gradient = vdwmesh.exact(molecule, gradient=True).gradient
+        np.testing.assert_array_equal(np.column_stack([table[c] for c in COLUMNS]), columns(gradient))
+
+    def test_refusals(self):
+        two = ([[0, 0, 0], [1, 0, 0]], [1, 1])
+        for weights in ([1], [1, float("nan")], ([1, 1], "w"), [[1, 1]]):
+            with self.assertRaisesRegex(vdwmesh.InvalidInput, "weights"):
+                vdwmesh.exact(*two, gradient=True, weights=weights)
+
+
+class TorchTest(unittest.TestCase):
+    def setUp(self):
+        need_package("python3-torch", module="torch")
+
+    def test_gradcheck(self):
+        import torch
+        import vdwmesh.torch
+
+        dice = np.random.default_rng(3)
+        coords = torch.tensor(dice.uniform(-2, 2, (8, 3)), requires_grad=True)
+        radii = torch.tensor(dice.uniform(0.9, 1.7, 8), requires_grad=True)
+        for function in (vdwmesh.torch.areas, vdwmesh.torch.volumes, vdwmesh.torch.measures):
+            self.assertTrue(torch.autograd.gradcheck(function, (coords, radii), eps=1e-6))
+
+    def test_loss_of_float32(self):
+        import torch
+        import vdwmesh.torch
+
+        coords = torch.tensor([[0.0, 0, 0], [1, 0, 0]], requires_grad=True)
+        vdwmesh.torch.areas(coords, torch.ones(2)).sum().backward()
+        self.assertEqual(coords.grad.dtype, torch.float32)
+        self.assertAlmostEqual(float(coords.grad[1, 0]), 2 * np.pi, places=5)  # area is 2 pi (2 + d)
+
+    def test_excluded_surface(self):
+        """Three balls: by differences, and twice the area and three times the volume by scaling."""
+        coords, radii, probe = np.array([[0.0, 0, 0], [2.4, 0.3, 0], [1.1, 2.2, 0.4]]), np.array([1.7, 1.5, 1.6]), 1.4
+        found = vdwmesh.exact(coords, radii, surface="ses", probe=probe, gradient=True)
+        g = found.gradient
+        scaled = (coords * g.area_coords).sum() + (radii * g.area_radii).sum() + probe * g.area_probe
+        self.assertAlmostEqual(scaled, 2 * found.area, delta=1e-10 * found.area)
+        scaled = (coords * g.volume_coords).sum() + (radii * g.volume_radii).sum() + probe * g.volume_probe
+        self.assertAlmostEqual(scaled, 3 * found.volume, delta=1e-10 * found.volume)
+        step, move = 1e-4, np.zeros((3, 3))
+        move[1, 0] = step
+        areas = [vdwmesh.exact(coords + sign * move, radii, surface="ses", probe=probe).area for sign in (1, -1)]
+        self.assertAlmostEqual((areas[0] - areas[1]) / (2 * step), g.area_coords[1, 0], delta=1e-6)
+        self.assertEqual((g.kink_probes, g.kink_atoms), (0, 0))
+        self.assertIsNone(vdwmesh.exact(coords, radii, surface="ses").gradient)
+
+
+if __name__ == "__main__":
+    unittest.main()

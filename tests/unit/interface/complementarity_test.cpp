@@ -1,0 +1,106 @@
+// Shape complementarity of two balls against closed forms: caps, and the median at half of the
+// fitted cap's area, because the fit falls from the axis to the rim.
+#include "interface/complementarity.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+// A ball of radius a at the origin, and one of radius b at a distance d on the z axis.
+struct TwoBalls {
+  double a, b, d;
+
+  double rim_cosine(double probe) const {
+    const double grown = a + probe, other = b + probe;
+    return (d * d + grown * grown - other * other) / (2 * d * grown);
+  }
+  // Of the fitted cap: the rim is a chord.
+  double fitted_cosine(double probe, double rim) const {
+    return std::cos(std::acos(rim_cosine(probe)) - 2 * std::asin(rim / (2 * a)));
+  }
+  // Of the point of ball a at this cosine of the polar angle, with its nearest point of ball b.
+  double distance(double cosine) const { return to_center(cosine) - b; }
+  double fit(double cosine, double weight) const {
+    const double to = to_center(cosine), gap = to - b;
+    return (d * cosine - a) / to * std::exp(-weight * gap * gap);
+  }
+  TwoBalls swapped() const { return {b, a, d}; }
+
+ private:
+  double to_center(double cosine) const { return std::sqrt(d * d + a * a - 2 * d * a * cosine); }
+};
+
+double median(const TwoBalls& balls, const ComplementarityOptions& o) {
+  return balls.fit(0.5 * (1 + balls.fitted_cosine(o.probe, o.rim)), o.weight);
+}
+
+// Integral of exp(-w d²) over the buried cap, by Simpson's rule in the cosine.
+double contact(const TwoBalls& balls, const ComplementarityOptions& o) {
+  constexpr int kSteps = 2000;
+  const double from = balls.rim_cosine(o.probe), step = (1 - from) / kSteps;
+  double sum = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double gap = balls.distance(from + i * step);
+    const double factor = i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2;
+    sum += factor * std::exp(-o.weight * gap * gap);
+  }
+  return 2 * std::numbers::pi * balls.a * balls.a * sum * step / 3;
+}
+
+SphereSet ball_at(double z, double radius) { return SphereSet({{{0.3, -0.2, z}, radius}}); }
+
+TEST(Complementarity, TwoBallsFitAsTheirClosedForms) {
+  for (const TwoBalls balls : {TwoBalls{6, 6, 13}, TwoBalls{8, 6, 15.2}, TwoBalls{5, 9, 15}}) {
+    const ComplementarityOptions o;
+    const Complementarity found =
+        complementarity(ball_at(0, balls.a), ball_at(balls.d, balls.b), o);
+    const double a = median(balls, o), b = median(balls.swapped(), o);
+    // The stated tolerance, and as much for what a last doubling would change.
+    EXPECT_LE(found.error, o.tolerance);
+    EXPECT_NEAR(found.sc, 0.5 * (a + b), 2 * o.tolerance);
+    EXPECT_NEAR(found.median_a, a, 4 * o.tolerance);
+    EXPECT_NEAR(found.median_b, b, 4 * o.tolerance);
+    // Counts of samples on caps of some hundred Å²: a sample is less than 0.03 Å², and the lattice
+    // leaves some tens of them along the rim to chance.
+    const double cap = 2 * std::numbers::pi * balls.a * balls.a * (1 - balls.rim_cosine(o.probe));
+    EXPECT_NEAR(found.buried_a, cap, 0.01 * cap);
+    EXPECT_NEAR(found.contact_a, contact(balls, o), 0.01 * contact(balls, o));
+    EXPECT_NEAR(found.contact_b, contact(balls.swapped(), o), 0.01 * contact(balls.swapped(), o));
+  }
+}
+
+TEST(Complementarity, SidesApartHaveNone) {
+  const Complementarity far = complementarity(ball_at(0, 2), ball_at(50, 2));
+  EXPECT_TRUE(std::isnan(far.sc));
+  EXPECT_EQ(far.buried_a, 0);
+  // Buried, but nowhere farther than the rim from what is not.
+  const Complementarity thin = complementarity(ball_at(0, 2), ball_at(6.7, 2));
+  EXPECT_TRUE(std::isnan(thin.sc));
+  EXPECT_GT(thin.buried_a, 0);
+  EXPECT_EQ(thin.fitted_a, 0);
+}
+
+TEST(Complementarity, DoesNotDependOnThreads) {
+  const SphereSet a = ball_at(0, 6), b = ball_at(13, 6);
+  const Complementarity many = complementarity(a, b);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const Complementarity single = complementarity(a, b);
+  EXPECT_EQ(many.sc, single.sc);
+  EXPECT_EQ(many.contact_a, single.contact_a);
+}
+
+TEST(Complementarity, BadInputIsRefused) {
+  EXPECT_THROW(complementarity(SphereSet(), ball_at(0, 1)), InvalidInput);
+  EXPECT_THROW(complementarity(ball_at(0, 1), ball_at(3, 1), {.probe = 0}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
