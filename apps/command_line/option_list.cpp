@@ -177,7 +177,7 @@ std::vector<Option> surface_options(Draft& d) {
       {"--surface", kInterface, one(d.measure.surface, named<SurfaceChoice>()),
        "sas, or ses: what is buried of the solvent-excluded surface as well, and the gap between "
        "the sides",
-       by_default("sas")},
+       otherwise("sas")},
       {"--mesher", kSurfaces | kRanksMesh, one(m.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
        otherwise(d.verb == kRanksMesh
@@ -411,7 +411,7 @@ constexpr std::string_view kUnseen[] = {
     "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
     "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
     "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
-    "--edge-lengths", "--relative-edge", "--padding"};
+    "--edge-lengths", "--relative-edge", "--padding",    "--project"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

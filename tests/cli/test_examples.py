@@ -109,8 +109,11 @@ class Examples(ProgramTest):
         atoms = [line for line in UBIQUITIN.read_text().splitlines() if line.startswith("ATOM")][:60]
         haem = "HETATM  900 FE   HEM A 200      40.000  30.000  10.000  1.00  0.00          FE"
         pdb = "\n".join((*atoms, haem, "END", ""))
-        for name in ("4HHB", "1UBQ", "4PTI", "ubiquitin"):
+        for name in ("1UBQ", "4PTI", "ubiquitin"):
             self.file(f"{name}.pdb", pdb)
+        others = (f"{line[:21]}{chain}{line[22:30]}{float(line[30:38]) + 10 * i:8.3f}{line[38:]}"
+                  for i, chain in enumerate("BCD", 1) for line in atoms)  # fmt: skip
+        self.file("4HHB.pdb", "\n".join((*atoms, *others, haem, "END", "")))
         for name in ("4HHB", "6ZU5", "big", "capsid"):
             (self.folder / f"{name}.cif.gz").write_bytes(gzip.compress(cif(atoms).encode()))
         self.file("1A63.pqr", "".join(f"ATOM {i} C UNK {i} {i}.0 0 0 0.1 1.7\n" for i in range(1, 9)))
