@@ -51,9 +51,11 @@ class CellGradient {
   template <class Uses, class Neighbor>
   __device__ __forceinline__ void add_faces(const WeightedBall& own, std::uint32_t faces,
                                             const Uses& uses, const Neighbor& neighbor) {
-    constexpr std::uint32_t kBoxFaces = 6;  // outside of the ball
-    for (std::uint32_t f = kBoxFaces + lane_; f < faces; f += 32) {
-      if (uses(f)) add_face(own, neighbor(f), f);
+    // Numbers of the first box's sides are used again once the sides are cut off.
+    __syncwarp();
+    for (std::uint32_t f = lane_; f < faces; f += 32) {
+      const bool of_box = !(cell_.face[f].cosine < 1);
+      if (uses(f) && !of_box) add_face(own, neighbor(f), f);
     }
     __syncwarp();
   }

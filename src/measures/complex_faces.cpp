@@ -118,6 +118,8 @@ std::vector<std::vector<SharedFace>> faces_by_ball(const PowerTriangulation& tri
 
 void visit_by_triangulation(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
                             std::span<SphereMeasures> per_sphere, FaceVisitor& visitor) {
+  std::vector<SphereId> sorted(wanted.begin(), wanted.end());
+  std::ranges::sort(sorted);
   std::ranges::sort(near, {}, &NumberedBall::id);
   const auto repeated = std::ranges::unique(near, {}, &NumberedBall::id);
   near.erase(repeated.begin(), repeated.end());
@@ -132,7 +134,7 @@ void visit_by_triangulation(std::span<const SphereId> wanted, std::vector<Number
   for (const SphereId id : wanted) per_sphere[id] = {0, 0};  // if a concentric ball covers it
   for (std::size_t i = 0; i < measures.size(); ++i) {
     const SphereId id = triangulation.ids[i];
-    if (!std::ranges::binary_search(wanted, id)) continue;
+    if (!std::ranges::binary_search(sorted, id)) continue;
     per_sphere[id] = {std::ldexp(measures[i].area, 2 * triangulation.scale_exponent),
                       std::ldexp(measures[i].volume, 3 * triangulation.scale_exponent)};
     const auto place = std::ranges::lower_bound(near, id, {}, &NumberedBall::id);
