@@ -5,8 +5,8 @@
 //   does
 //
 // The spheres stand COPIES times (6) side by side. Rows: spheres and measures in device memory;
-// both in host memory; 10,000 sets of 500 consecutive spheres. Least of ten runs after two to warm
-// up.
+// both in host memory; 10,000 sets of 500 consecutive spheres. The first two also with derivatives,
+// in turns with the measures alone. Least of ten runs after two to warm up.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,6 +15,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cuda/backend.hpp"
@@ -58,7 +59,7 @@ void report_on_device(const std::vector<Sphere>& spheres, double probe) {
   const std::uint32_t ends[2] = {0, size};
   const DeviceArray<std::uint32_t> offsets = upload(ends, 2, stream.get());
   const measure::DeviceBatch batch{uploaded.data(), size, offsets.data(), 1};
-  std::uint32_t counts[2] = {};
+  measure::MeasureCounts counts{};
   const double cells = least_seconds([&] {
     const measure::BatchCells list(batch, stream);
     stream.wait();
@@ -66,13 +67,13 @@ void report_on_device(const std::vector<Sphere>& spheres, double probe) {
   const double seconds = least_seconds([&] {
     const measure::DeviceMeasures measured = measure_on_device(batch, stream);
     stream.wait();
-    check_cuda(cudaMemcpy(counts, measured.counts.data(), sizeof(counts), cudaMemcpyDefault), "");
+    check_cuda(cudaMemcpy(&counts, measured.counts.data(), sizeof(counts), cudaMemcpyDefault), "");
   });
   std::printf(
       "probe %.1f  %8zu spheres, device to device  %8.3f ms (cells %.3f)  %6.1f M balls/s; left to "
       "the host %u, large %u\n",
       probe, spheres.size(), 1e3 * seconds, 1e3 * cells, 1e-6 * static_cast<double>(size) / seconds,
-      counts[0], counts[1]);
+      counts.doubtful, counts.large);
 }
 
 void report_on_host(const char* name, const SphereBatch& batch, double probe) {
@@ -86,6 +87,72 @@ void report_on_host(const char* name, const SphereBatch& batch, double probe) {
       probe, batch.size, name, 1e3 * seconds, 1e3 * fresh,
       1e-6 * static_cast<double>(batch.size) / seconds,
       static_cast<unsigned long long>(result.fallback_spheres));
+}
+
+// Seconds of each work's fastest run, in turns.
+template <class First, class Second>
+std::pair<double, double> least_in_turns(const First& first, const Second& second) {
+  double least[2] = {1e300, 1e300};
+  for (int i = 0; i < 12; ++i) {
+    const int warm_up = i < 2 ? 1 : 0;
+    const double seconds[2] = {least_seconds(first, 0, 1), least_seconds(second, 0, 1)};
+    for (int k = 0; k < 2 && warm_up == 0; ++k) least[k] = std::min(least[k], seconds[k]);
+  }
+  return {least[0], least[1]};
+}
+
+void print_gradients(const char* name, std::size_t size, double probe,
+                     const std::pair<double, double>& seconds) {
+  std::printf(
+      "probe %.1f  %8zu spheres, %s, measures %8.3f ms, with gradients %8.3f ms (%.3f times)  "
+      "%6.1f "
+      "M balls/s with gradients\n",
+      probe, size, name, 1e3 * seconds.first, 1e3 * seconds.second, seconds.second / seconds.first,
+      1e-6 * static_cast<double>(size) / seconds.second);
+}
+
+// Weights of areas and volumes that differ from ball to ball.
+void report_gradients(const std::vector<Sphere>& spheres, double probe) {
+  std::vector<double> w;
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    w.push_back(0.25 + static_cast<double>(i % 7) / 7);
+  }
+  const Stream stream;
+  const DeviceArray<Sphere> uploaded = upload(spheres.data(), spheres.size(), stream.get());
+  const DeviceArray<double> weights = upload(w.data(), w.size(), stream.get());
+  const auto size = static_cast<std::uint32_t>(spheres.size());
+  const std::uint32_t ends[2] = {0, size};
+  const DeviceArray<std::uint32_t> offsets = upload(ends, 2, stream.get());
+  const measure::DeviceBatch there{uploaded.data(), size, offsets.data(), 1};
+  const BatchWeights both{weights.data(), weights.data()};
+  const auto on_device = [&](const BatchWeights* wanted) {
+    measure_on_device(there, stream, wanted);
+    stream.wait();
+  };
+  print_gradients("device to device", size, probe,
+                  least_in_turns([&] { on_device(nullptr); }, [&] { on_device(&both); }));
+  const SphereBatch batch{.spheres = spheres.data(), .size = spheres.size()};
+  const auto cuda = make_union_measurer(Backend::cuda), cpu = make_union_measurer(Backend::cpu);
+  BatchMeasures measures;
+  BatchGradients gradients, expected;
+  print_gradients("host to host", size, probe,
+                  least_in_turns([&] { cuda->measure_into(measures, batch); },
+                                 [&] {
+                                   cuda->gradients_into(gradients, batch, {w.data(), w.data()});
+                                 }));
+  cpu->gradients_into(expected, batch, {w.data(), w.data()});
+  double most = 0;
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const auto* a = &gradients.per_sphere[i].area_center.x;
+    const auto* b = &expected.per_sphere[i].area_center.x;
+    for (int k = 0; k < 8; ++k) {
+      const double d = std::abs(a[k] - b[k]) / (1 + std::abs(b[k]));
+      most = d <= most ? most : d;
+    }
+  }
+  std::printf(
+      "probe %.1f  %8u spheres, gradients: largest difference %.1e (1 + size); kinks %llu\n", probe,
+      size, most, static_cast<unsigned long long>(gradients.kink_spheres));
 }
 
 // The largest differences between both backends, as shares of the whole ball.
@@ -189,6 +256,7 @@ int run(int argc, char** argv) {
     const SphereBatch batch{.spheres = spheres.data(), .size = spheres.size()};
     report_difference(batch, probe);
     report_on_device(spheres, probe);
+    report_gradients(spheres, probe);
     report_on_host("host to host", batch, probe);
     constexpr std::size_t kSets = 10'000, kSetSize = 500;
     std::vector<Sphere> many;

@@ -185,6 +185,15 @@ class AutomaticUnionMeasurer final : public UnionMeasurer {
     result.fallback =
         call_with_fallback("measured", make_cuda_union_measurer, make_cpu_union_measurer, measure);
   }
+  void gradients_into(BatchGradients& result, const SphereBatch& batch, const BatchWeights& weights,
+                      Monitor* monitor) const override {
+    const auto measure = [&](const UnionMeasurer& m) {
+      m.gradients_into(result, batch, weights, monitor);
+    };
+    if (batch.memory == MemorySpace::device) return measure(*make_cuda_union_measurer());
+    result.measures.fallback =
+        call_with_fallback("measured", make_cuda_union_measurer, make_cpu_union_measurer, measure);
+  }
 };
 
 class AutomaticDistanceMeasurer final : public DistanceMeasurer {

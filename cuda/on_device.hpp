@@ -134,7 +134,7 @@ CudaExactMesh exact_mesh_on_device(const DeviceFrames& spheres, const ExactMeshO
                                    const RefineOptions& refine);
 
 // The measures of the balls of several frames in device memory: rows of frames × atoms. Copies
-// share the array.
+// share the arrays.
 class CudaMeasures {
  public:
   struct Data;  // for the library's own use
@@ -142,6 +142,8 @@ class CudaMeasures {
 
   int device() const;
   const SphereMeasures* rows() const;  // Å² and Å³; NaN for balls that were not to be measured
+  const BallGradient* gradients() const;  // null if nobody asked
+  std::uint64_t kink_spheres() const;     // as in BatchGradients
 
  private:
   std::shared_ptr<const Data> data_;
@@ -152,5 +154,10 @@ class CudaMeasures {
 // no meaning. Does not throw for invalid frames: `result` has those before the first.
 CudaMeasures measure_on_device(std::vector<ExactUnion>& result, const DeviceFrames& frames,
                                const FrameOptions& options);
+// The same with derivatives of the sums of each frame, which are left on the device. The weights
+// are frames × atoms numbers in its memory. Throws InvalidInput if options.measures.measured names
+// atoms, and for weights and derivatives as UnionMeasurer does.
+CudaMeasures gradients_on_device(std::vector<ExactUnion>& result, const DeviceFrames& frames,
+                                 const BatchWeights& weights, const FrameOptions& options);
 
 }  // namespace vdwmesh

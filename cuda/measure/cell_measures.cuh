@@ -45,10 +45,20 @@ struct UnitMeasures {
 };
 
 // The part of an edge's line that lies in the ball: middle - half to middle + half. Which of its
-// ends are corners of the patch.
+// ends are corners of the patch, and whether the edge has a part in the ball.
 struct ArcChord {
   Vec3d middle, half;
-  bool upper, lower;
+  bool upper, lower, meets;
+};
+
+// An end of an edge's part in the ball: a vertex, or a corner if this bit is set.
+inline constexpr std::uint32_t kCornerEnd = 0x8000;
+
+// What a measurement writes down of the edges that meet the ball and of the exposed angles of
+// circles, for who goes on with them: nothing.
+struct NoNotes {
+  __device__ __forceinline__ void edge(int, bool, std::uint32_t, std::uint32_t) const {}
+  __device__ __forceinline__ void angle(std::uint32_t, double) const {}
 };
 
 // A corner lies on the circles of two faces. The arc on the circle of `start` begins there, the arc
@@ -137,16 +147,21 @@ __device__ __forceinline__ Vec3d pole(int attempt) {
   return {-0.6, -0.48, -0.64};
 }
 
-template <int kSlots, int kFaces, int kCorners>
+template <int kSlots, int kFaces, int kCorners, class Notes>
 class CellMeasurement {
  public:
   using Cell = PowerCell<kSlots, kFaces>;
   using Space = MeasureSpace<kSlots, kFaces, kCorners>;
 
-  __device__ __forceinline__ CellMeasurement(const Cell& cell, Space& space, unsigned lane)
-      : cell_(cell), space_(space), lane_(lane) {}
+  __device__ __forceinline__ CellMeasurement(const Cell& cell, Space& space, unsigned lane,
+                                             const Notes& notes)
+      : cell_(cell), space_(space), lane_(lane), notes_(notes) {}
 
   __device__ __forceinline__ UnitMeasures measure();
+
+  // Of a good measurement.
+  __device__ __forceinline__ int edge_count() const { return edge_count_; }
+  __device__ __forceinline__ bool uses(std::uint32_t face) const { return used_.has(face); }
 
  private:
   __device__ __forceinline__ void store_vertices();
@@ -156,8 +171,8 @@ class CellMeasurement {
   __device__ __forceinline__ void add_edge(std::uint32_t packed, ArcChord& chord);
   __device__ __forceinline__ void add_corner_factors(const Plane& a, const Plane& b, double cosine,
                                                      double root, int corners, double side);
-  __device__ __forceinline__ void list_corner(bool lists, const Vec3d& point, std::uint32_t start,
-                                              std::uint32_t end);
+  __device__ __forceinline__ std::uint32_t list_corner(bool lists, const Vec3d& point,
+                                                       std::uint32_t start, std::uint32_t end);
   __device__ __forceinline__ void add_faces();
   __device__ __forceinline__ void add_face(const Plane& face, std::uint32_t number, double angle,
                                            int ends, int balance);
@@ -169,6 +184,7 @@ class CellMeasurement {
   const Cell& cell_;
   Space& space_;
   unsigned lane_;
+  Notes notes_;
   bool doubt_ = false;
   int edge_count_ = 0, corner_count_ = 0;
   Vec3d pole_{};
@@ -185,8 +201,9 @@ class CellMeasurement {
   double angle_ = 0, sector_ = 0, pyramid_ = 0, largest_ = 0;
 };
 
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners>::measure() {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ UnitMeasures
+CellMeasurement<kSlots, kFaces, kCorners, Notes>::measure() {
   store_vertices();
   list_edges();
   if (!choose_pole() || doubtful()) return {0, 0, Outcome::doubtful};
@@ -198,8 +215,8 @@ __device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners
   return result();
 }
 
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::store_vertices() {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners, Notes>::store_vertices() {
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) {
     if (!cell_.has(k)) continue;
@@ -212,8 +229,8 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::store
 
 // Each edge is listed by the end with the lower number. If the two ends do not name each other, the
 // list of vertices is no polytope.
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_edges() {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners, Notes>::list_edges() {
   const auto& cell = cell_.space();
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) {
@@ -226,13 +243,14 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_
       bool lists = false;
       std::uint32_t w = 0;
       if (cell_.has(k)) {
-        w = cell.vertex[b * kFaces + a];
-        const std::uint32_t other = cell.faces_of[w];
+        w = cell.table.vertex[b * kFaces + a];
+        const std::uint32_t other = cell.table.faces_of[w];
         bool paired = false;
         for (int j = 0; j < 3; ++j) {
           paired = paired || (face_of(other, j) == b && face_of(other, (j + 1) % 3) == a);
         }
-        if (!paired || !cell_.has_vertex(w) || cell.vertex[a * kFaces + b] != v) doubt_ = true;
+        if (!paired || !cell_.has_vertex(w) || cell.table.vertex[a * kFaces + b] != v)
+          doubt_ = true;
         lists = v < w;
       }
       const unsigned listing = __ballot_sync(kAllLanes, lists);
@@ -248,8 +266,8 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_
 }
 
 // Takes the first pole that is far enough from the antipodes of all axes.
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ bool CellMeasurement<kSlots, kFaces, kCorners>::choose_pole() {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ bool CellMeasurement<kSlots, kFaces, kCorners, Notes>::choose_pole() {
   for (int attempt = 0; attempt < kPoleCount; ++attempt) {
     pole_ = pole(attempt);
     bool bad = false;
@@ -261,16 +279,20 @@ __device__ __forceinline__ bool CellMeasurement<kSlots, kFaces, kCorners>::choos
   return false;
 }
 
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edges() {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners, Notes>::add_edges() {
   for (int base = 0; base < edge_count_; base += 32) {
     const int e = base + static_cast<int>(lane_);
     ArcChord chord{};
     const std::uint32_t packed = e < edge_count_ ? space_.edge[e] : 0;
     if (e < edge_count_) add_edge(packed, chord);
     const std::uint32_t ia = packed & 0xff, ib = packed >> 8 & 0xff;
-    list_corner(chord.upper, chord.middle + chord.half, ia, ib);
-    list_corner(chord.lower, chord.middle - chord.half, ib, ia);
+    const std::uint32_t upper = list_corner(chord.upper, chord.middle + chord.half, ia, ib),
+                        lower = list_corner(chord.lower, chord.middle - chord.half, ib, ia);
+    if (e < edge_count_) {
+      notes_.edge(e, chord.meets, chord.upper ? upper | kCornerEnd : packed >> 16 & 0xff,
+                  chord.lower ? lower | kCornerEnd : packed >> 24);
+    }
   }
   used_.combine();
   touched_.combine();
@@ -278,9 +300,10 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_e
   __syncwarp();
 }
 
-// Adds one edge to the sums. Fills the chord if an end of the edge's part in the ball is a corner.
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edge(
+// Adds one edge to the sums. Fills the chord; its line only if an end of the edge's part in the
+// ball is a corner.
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners, Notes>::add_edge(
     std::uint32_t packed, ArcChord& chord) {
   const std::uint32_t ia = packed & 0xff, ib = packed >> 8 & 0xff;
   const Plane a = cell_.space().face[ia];
@@ -310,6 +333,7 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_e
   doubt_ = doubt_ || !(squared_sine > kNearlyParallel);
   touched_.add(ia, true);
   touched_.add(ib, true);
+  chord.meets = true;
   if (top_out || bottom_out) {
     doubt_ = doubt_ || !(gram > 0);
     const double root = sqrt(gram);
@@ -333,9 +357,11 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_e
   open_ = open_ + (toward_b * moment) * a.axis + (toward_a * moment) * b.axis;
 }
 
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_corner_factors(
-    const Plane& a, const Plane& b, double cosine, double root, int corners, double side) {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ void
+CellMeasurement<kSlots, kFaces, kCorners, Notes>::add_corner_factors(const Plane& a, const Plane& b,
+                                                                     double cosine, double root,
+                                                                     int corners, double side) {
   const UnitFactor triangle{1 + a.cosine + b.cosine + cosine, -root};
   const UnitFactor turn{cosine - a.cosine * b.cosine, root};
   polygon_ = polygon_ * triangle;
@@ -353,20 +379,25 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_c
   worst_ = fmaxf(worst_, condition);
 }
 
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_corner(
-    bool lists, const Vec3d& point, std::uint32_t start, std::uint32_t end) {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ std::uint32_t
+CellMeasurement<kSlots, kFaces, kCorners, Notes>::list_corner(bool lists, const Vec3d& point,
+                                                              std::uint32_t start,
+                                                              std::uint32_t end) {
   const unsigned listing = __ballot_sync(kAllLanes, lists);
   const int place = corner_count_ + __popc(listing & lanes_before());
   if (lists && place < kCorners) space_.corner[place] = {point, start, end};
   corner_count_ += __popc(listing);
+  return static_cast<std::uint32_t>(place);
 }
 
 // The product of the arcs' ends and conjugated starts on the circle of a face. Its size is a power
 // of the circle's radius, which does not matter.
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ UnitFactor CellMeasurement<kSlots, kFaces, kCorners>::exposed_arcs(
-    std::uint32_t number, const Plane& face, int& ends, int& balance) const {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ UnitFactor
+CellMeasurement<kSlots, kFaces, kCorners, Notes>::exposed_arcs(std::uint32_t number,
+                                                               const Plane& face, int& ends,
+                                                               int& balance) const {
   UnitFactor product{1, 0};
   const vdwmesh::arcs::AxisBasis frame = vdwmesh::arcs::frame_of(face.axis);
   for (int c = 0; c < corner_count_; ++c) {
@@ -383,8 +414,8 @@ __device__ __forceinline__ UnitFactor CellMeasurement<kSlots, kFaces, kCorners>:
 
 // A face for each lane. Behind the faces come the two products of the patch, so that their
 // arguments are computed along with the angles of the circles.
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_faces() {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners, Notes>::add_faces() {
   const std::uint32_t faces = cell_.face_count();
   const bool corners = corner_count_ > 0;
   const std::uint32_t tasks = corners ? faces + 2 : faces;
@@ -415,8 +446,8 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_f
 }
 
 // `angle`: of the product of the arcs on the face's circle.
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_face(
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners, Notes>::add_face(
     const Plane& face, std::uint32_t number, double angle, int ends, int balance) {
   if (!(face.cosine < 1)) return;  // a side of the first box
   const double drop = 1 - face.cosine;
@@ -426,14 +457,15 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_f
   } else {  // a whole disk, or nothing of the circle
     angle = touched_.has(number) || beyond_.has(number) ? 0 : 2 * kPi;
   }
+  notes_.angle(number, angle);
   sector_ = fma(angle, drop, sector_);
   pyramid_ = fma(0.5 * face.cosine * (drop * (1 + face.cosine)), angle, pyramid_);
   largest_ = fmax(largest_, 2 * kPi * drop);
 }
 
 // Adds up the lanes and checks the sums.
-template <int kSlots, int kFaces, int kCorners>
-__device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners>::result() {
+template <int kSlots, int kFaces, int kCorners, class Notes>
+__device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners, Notes>::result() {
   const double pyramid = sum_of_lanes(fma(0.5, moment_, pyramid_));
   const double sector = sum_of_lanes(sector_);
   const Vec3d open{sum_of_lanes(open_.x), sum_of_lanes(open_.y), sum_of_lanes(open_.z)};

@@ -50,14 +50,30 @@ __device__ __forceinline__ unsigned lanes_before() {
   return mask;
 }
 
-// Memory of a warp that the cell needs. Vertex v is in slot v / 32 of lane v % 32.
+// The tables by which a cell finds its edges. Vertex v is in slot v / 32 of lane v % 32.
+template <int kSlots, int kFaces>
+struct CellTables {
+  std::uint32_t faces_of[32 * kSlots];   // three faces of a vertex, a byte each
+  std::uint16_t border[32 * kSlots];     // of a cut: two faces of each new vertex, a byte each
+  std::uint8_t vertex[kFaces * kFaces];  // [i * kFaces + j]: the vertex that has the pair (i, j)
+};
+
+// Of a face, for the derivatives (cell_gradient.cuh).
+struct FaceTerms {
+  double angle;                 // exposed, of its circle
+  double area_arc, volume_arc;  // what axis × (start - end) of an arc counts for
+  double segment, along;        // what s (p + q) and s axis of a segment count for
+};
+
+// Memory of a warp that the cell needs.
 template <int kSlots, int kFaces>
 struct CellSpace {
   static_assert(32 * kSlots <= 256 && kFaces <= 256, "vertices and faces are numbered by bytes");
   Plane face[kFaces];
-  std::uint32_t faces_of[32 * kSlots];   // three faces of a vertex, a byte each
-  std::uint16_t border[32 * kSlots];     // of a cut: two faces of each new vertex, a byte each
-  std::uint8_t vertex[kFaces * kFaces];  // [i * kFaces + j]: the vertex that has the pair (i, j)
+  union {
+    CellTables<kSlots, kFaces> table;  // until all edges are listed
+    FaceTerms terms[kFaces];           // then
+  };
 };
 
 __device__ __forceinline__ std::uint32_t face_of(std::uint32_t faces, int i) {
@@ -74,8 +90,9 @@ class PowerCell {
     make_box();
   }
 
-  // Removes what lies beyond the plane.
-  __device__ __forceinline__ void cut(const Plane& plane);
+  // Removes what lies beyond the plane. Returns the face that has the plane, or kNoFace.
+  static constexpr std::uint32_t kNoFace = 0xffffffffu;
+  __device__ __forceinline__ std::uint32_t cut(const Plane& plane);
 
   __device__ __forceinline__ Outcome outcome() const { return outcome_; }
   __device__ __forceinline__ bool empty() const { return empty_; }
@@ -93,7 +110,7 @@ class PowerCell {
 
  private:
   __device__ __forceinline__ void make_box();
-  __device__ __forceinline__ bool repeats_face(const Plane& plane) const;
+  __device__ __forceinline__ std::uint32_t face_with(const Plane& plane) const;
   __device__ __forceinline__ std::uint32_t new_face();
   __device__ __forceinline__ int find_border(const unsigned (&out)[kSlots]);
   __device__ __forceinline__ void add_vertices(int count, std::uint32_t fresh, const Plane& plane);
@@ -130,10 +147,10 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::set_vertex(int slot, 
                                                                       std::uint32_t k) {
   const std::uint32_t v = 32 * slot + lane_;
   faces_[slot] = i | j << 8 | k << 16;
-  space_.faces_of[v] = faces_[slot];
-  space_.vertex[i * kFaces + j] = static_cast<std::uint8_t>(v);
-  space_.vertex[j * kFaces + k] = static_cast<std::uint8_t>(v);
-  space_.vertex[k * kFaces + i] = static_cast<std::uint8_t>(v);
+  space_.table.faces_of[v] = faces_[slot];
+  space_.table.vertex[i * kFaces + j] = static_cast<std::uint8_t>(v);
+  space_.table.vertex[j * kFaces + k] = static_cast<std::uint8_t>(v);
+  space_.table.vertex[k * kFaces + i] = static_cast<std::uint8_t>(v);
 }
 
 // Faces 2 a and 2 a + 1 are the sides at kBox and -kBox along axis a.
@@ -163,19 +180,20 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::make_box() {
   __syncwarp();
 }
 
-// Whether a face has this plane, to the last bit; such a plane cuts nothing off.
+// The face that has this plane, to the last bit, or kNoFace; such a plane cuts nothing off.
 template <int kSlots, int kFaces>
-__device__ __forceinline__ bool PowerCell<kSlots, kFaces>::repeats_face(const Plane& plane) const {
-  bool same = false;
+__device__ __forceinline__ std::uint32_t PowerCell<kSlots, kFaces>::face_with(
+    const Plane& plane) const {
+  std::uint32_t same = kNoFace;
   for (std::uint32_t f = lane_; f < next_face_; f += 32) {
     const Plane& face = space_.face[f];
-    same = same || (face.cosine == plane.cosine && face.axis == plane.axis);
+    if (face.cosine == plane.cosine && face.axis == plane.axis) same = f;
   }
-  return __any_sync(kAllLanes, same);
+  return __reduce_min_sync(kAllLanes, same);
 }
 
 template <int kSlots, int kFaces>
-__device__ __forceinline__ void PowerCell<kSlots, kFaces>::cut(const Plane& plane) {
+__device__ __forceinline__ std::uint32_t PowerCell<kSlots, kFaces>::cut(const Plane& plane) {
   unsigned out[kSlots];
   unsigned any = 0;
   bool near = false;
@@ -189,14 +207,15 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::cut(const Plane& plan
     any |= out[k];
   }
   if (__any_sync(kAllLanes, near)) {
-    if (!repeats_face(plane)) outcome_ = Outcome::doubtful;
-    return;
+    const std::uint32_t same = face_with(plane);
+    if (same == kNoFace) outcome_ = Outcome::doubtful;
+    return same;
   }
-  if (any == 0) return;
+  if (any == 0) return kNoFace;
   const std::uint32_t fresh = new_face();
   if (fresh == kFaces) {
     outcome_ = Outcome::too_large;
-    return;
+    return kNoFace;
   }
   const int count = find_border(out);
   unsigned left = 0;
@@ -206,14 +225,15 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::cut(const Plane& plan
     left |= alive_[k];
   }
   empty_ = left == 0;
-  if (empty_) return;
+  if (empty_) return kNoFace;
   // A convex body loses one connected piece, which has a border of three edges or more.
   if (count < 3) {
     outcome_ = Outcome::doubtful;
-    return;
+    return kNoFace;
   }
   add_vertices(count, fresh, plane);
   update_reach();
+  return fresh;
 }
 
 // Returns a number for a new face, or kFaces if there is none left. Numbers of faces that have lost
@@ -254,12 +274,12 @@ __device__ __forceinline__ int PowerCell<kSlots, kFaces>::find_border(
       if (goes) {
         a = face_of(faces_[k], i);
         b = face_of(faces_[k], (i + 1) % 3);
-        crosses = !contains(out, space_.vertex[b * kFaces + a]);
+        crosses = !contains(out, space_.table.vertex[b * kFaces + a]);
       }
       const unsigned crossing = __ballot_sync(kAllLanes, crosses);
       const int place = count + __popc(crossing & lanes_before());
       if (crosses && place < 32 * kSlots) {
-        space_.border[place] = static_cast<std::uint16_t>(a | b << 8);
+        space_.table.border[place] = static_cast<std::uint16_t>(a | b << 8);
       }
       count += __popc(crossing);
     }
@@ -283,7 +303,7 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::add_vertices(int coun
     const int number = given + __popc(free & lanes_before());
     const bool takes = (free >> lane_ & 1) && number < count;
     if (takes) {
-      const std::uint32_t pair = space_.border[number];
+      const std::uint32_t pair = space_.table.border[number];
       bad = !place_vertex(k, pair & 0xff, pair >> 8, fresh, plane) || bad;
     }
     alive_[k] |= __ballot_sync(kAllLanes, takes);

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <atomic>
 #include <span>
+#include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -25,6 +27,8 @@
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
 #include "measures/arcs/arc_cap.hpp"
+#include "measures/arcs/ball_gradient.hpp"
+#include "measures/complex_faces.hpp"
 #include "measures/reference_measures.hpp"
 #include "measures/union_measurer.hpp"
 
@@ -74,27 +78,68 @@ __global__ void name_balls(BatchCellsView list, const ListPlace* places, std::ui
   if (i < count) ids[i] = list.id[places[i]];
 }
 
+// A thread for each of `count` balls: its weights.
+__global__ void take_weights(const std::uint32_t* ids, std::uint64_t count, BatchWeights weights,
+                             arcs::BallWeights* taken) {
+  const std::uint64_t i = thread_index();
+  if (i < count) taken[i] = weights_at(weights, ids[i]);
+}
+
+// Rows of the host, in the order of the batch. Nobody asks for gradients if there are none.
+struct HostRows {
+  std::span<SphereMeasures> per_sphere;
+  std::span<BallGradient> gradients = {};
+
+  HostRows part(std::size_t first, std::size_t size) const {
+    return {per_sphere.subspan(first, size),
+            gradients.empty() ? gradients : gradients.subspan(first, size)};
+  }
+};
+
 // The balls that the device leaves to the host, with the balls that overlap them.
 struct HostWork {
   std::vector<std::uint32_t> ids;    // in the order of list places
   std::vector<std::uint64_t> first;  // of the neighbours of each, and the end
   std::vector<std::uint32_t> near_ids;
   std::vector<Sphere> near_spheres;
+  std::vector<arcs::BallWeights> near_weights;  // if gradients are asked for
 };
+
+// Fills the rows of the wanted balls. `weights` are those of all balls in `near`.
+void differentiate_on_host(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
+                           const std::unordered_map<SphereId, arcs::BallWeights>& weights,
+                           const HostRows& rows) {
+  for (const SphereId id : wanted) rows.gradients[id] = {};  // if it has no volume of its own
+  FaceVisitor visitor;
+  visitor.visit = [&](SphereId id, const Sphere& ball, double area, auto faces) {
+    rows.gradients[id] = ball_gradient(ball, area, faces, weights.at(id),
+                                       [&](SphereId other) { return weights.at(other); });
+    require_finite_derivatives(is_finite(rows.gradients[id]));
+  };
+  visit_by_triangulation(wanted, std::move(near), rows.per_sphere, visitor);
+}
 
 // Measures balls begin up to end of the work, which are of one set, by one triangulation.
 void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
-                     std::span<SphereMeasures> per_sphere) {
+                     const HostRows& rows) {
   std::vector<NumberedBall> near;
   for (std::uint64_t i = work.first[begin]; i < work.first[end]; ++i) {
     near.push_back({work.near_ids[i], work.near_spheres[i]});
   }
-  set_reference_measures(std::span(work.ids).subspan(begin, end - begin), std::move(near),
-                         per_sphere);
+  const auto wanted = std::span(work.ids).subspan(begin, end - begin);
+  if (rows.gradients.empty()) {
+    return set_reference_measures(wanted, std::move(near), rows.per_sphere);
+  }
+  std::unordered_map<SphereId, arcs::BallWeights> weights;
+  for (std::uint64_t i = work.first[begin]; i < work.first[end]; ++i) {
+    weights.emplace(work.near_ids[i], work.near_weights[i]);
+  }
+  differentiate_on_host(wanted, std::move(near), weights, rows);
 }
 
 // Brings the doubtful balls and their neighbours to the host.
-HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const Stream& stream) {
+HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const BatchWeights* weights,
+                   const Stream& stream) {
   const BatchCellsView& list = measured.cells.view();
   std::vector<ListPlace> places = fetch_values(measured.doubtful.data(), count, stream);
   std::sort(places.begin(), places.end());
@@ -112,18 +157,23 @@ HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const St
   const DeviceArray<Sphere> near_spheres(total, stream);
   launch("list_neighbors", list_neighbors, shape, stream, list, sorted.data(), count, first.data(),
          nullptr, own_ids.data(), near_ids.data(), near_spheres.data());
+  const DeviceArray<arcs::BallWeights> near_weights(weights != nullptr ? total : 0, stream);
+  if (weights != nullptr) {
+    launch("take_weights", take_weights, over(total, 256), stream, near_ids.data(), total, *weights,
+           near_weights.data());
+  }
   return {fetch_values(own_ids.data(), count, stream),
           fetch_values(first.data(), first.size(), stream),
           fetch_values(near_ids.data(), total, stream),
-          fetch_values(near_spheres.data(), total, stream)};
+          fetch_values(near_spheres.data(), total, stream),
+          fetch_values(near_weights.data(), near_weights.size(), stream)};
 }
 
 // Measures the work on the host. Its entries stand in the order of list places: those of a set
 // together, and near each other those that are near in space. So a few neighbouring ones share a
 // triangulation. The parts of a set begin at its first entry. The order of list places, and with it
 // the last bits, may depend on the other sets of the batch or of its part.
-void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
-          std::span<SphereMeasures> per_sphere) {
+void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets, const HostRows& rows) {
   constexpr std::size_t kMostTogether = 64;
   const auto set_of = [&](std::uint32_t id) {
     return std::upper_bound(offsets.begin(), offsets.end(), id);
@@ -137,7 +187,7 @@ void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
   }
   part_begin.push_back(work.ids.size());
   tbb::parallel_for(std::size_t{1}, part_begin.size(), [&](std::size_t part) {
-    measure_on_host(work, part_begin[part - 1], part_begin[part], per_sphere);
+    measure_on_host(work, part_begin[part - 1], part_begin[part], rows);
   });
 }
 
@@ -154,35 +204,44 @@ std::vector<std::uint32_t> offsets_of(const SphereBatch& batch) {
 // The measures of balls in memory of the current device, as it leaves them.
 struct LeftMeasures {
   DeviceMeasures on_device;
-  std::uint32_t doubtful;  // how many balls are in doubt
+  MeasureCounts counts;
 };
 
-// Measures the balls and brings their measures to the host. The number of doubtful balls is fetched
-// first: a transfer of much memory keeps others waiting while it waits for the stream.
-LeftMeasures measure_and_download(std::span<SphereMeasures> per_sphere,
-                                  const std::vector<std::uint32_t>& offsets, const Sphere* spheres,
+// Measures the balls and brings their rows to the host. The counts are fetched first: a transfer of
+// much memory keeps others waiting while it waits for the stream.
+LeftMeasures measure_and_download(const HostRows& rows, const std::vector<std::uint32_t>& offsets,
+                                  const Sphere* spheres, const BatchWeights* weights,
                                   const Stream& stream) {
   const DeviceArray<std::uint32_t> device_offsets =
       upload(offsets.data(), offsets.size(), stream.get());
   LeftMeasures left{measure_on_device({spheres, offsets.back(), device_offsets.data(),
                                        static_cast<std::uint32_t>(offsets.size() - 1)},
-                                      stream),
-                    0};
-  left.doubtful = fetch(left.on_device.counts.data(), stream);
-  download_parts({{per_sphere.data(), left.on_device.per_sphere.data(), per_sphere.size_bytes()}},
-                 stream);
+                                      stream, weights),
+                    {}};
+  left.counts = fetch(left.on_device.counts.data(), stream);
+  if (left.counts.weights_not_finite > 0) {
+    throw InvalidInput(
+        "weights of areas or volumes: " + std::to_string(left.counts.weights_not_finite) +
+        " of the balls have one that is not finite");
+  }
+  require_finite_derivatives(left.counts.rows_not_finite == 0);
+  download_parts(
+      {{rows.per_sphere.data(), left.on_device.per_sphere.data(), rows.per_sphere.size_bytes()},
+       {rows.gradients.data(), left.on_device.gradients.data(), rows.gradients.size_bytes()}},
+      stream);
   return left;
 }
 
-// Measures a batch whose spheres are in memory of the current device, but for the totals.
-MeasuredBatch measure_balls(std::span<SphereMeasures> per_sphere, const SphereBatch& batch,
-                            const Sphere* spheres, const Stream& stream) {
+// Measures a batch whose spheres and weights are in memory of the current device, but for the
+// totals.
+MeasuredBatch measure_balls(const HostRows& rows, const SphereBatch& batch, const Sphere* spheres,
+                            const BatchWeights* weights, const Stream& stream) {
   const std::vector<std::uint32_t> offsets = offsets_of(batch);
-  auto [on_device, doubtful] = measure_and_download(per_sphere, offsets, spheres, stream);
-  MeasuredBatch measured{std::move(on_device), {}};
-  if (doubtful > 0) {
-    HostWork work = host_work(measured.on_device, doubtful, stream);
-    redo(work, offsets, per_sphere);
+  auto [on_device, counts] = measure_and_download(rows, offsets, spheres, weights, stream);
+  MeasuredBatch measured{std::move(on_device), counts, {}};
+  if (counts.doubtful > 0) {
+    HostWork work = host_work(measured.on_device, counts.doubtful, weights, stream);
+    redo(work, offsets, rows);
     measured.redone = std::move(work.ids);
   }
   return measured;
@@ -207,9 +266,29 @@ std::vector<SetRange> parts_of(const SphereBatch& batch) {
   return parts;
 }
 
-// Uploads and measures the balls of some sets. Returns how many the host measured.
-std::size_t measure_part(std::span<SphereMeasures> per_sphere, const SphereBatch& batch,
-                         const SetRange& part, const Stream& stream) {
+// Weights that were copied to the device.
+struct UploadedWeights {
+  DeviceArray<double> area, volume;
+
+  UploadedWeights(const BatchWeights& weights, std::size_t first, std::size_t size,
+                  const Stream& stream) {
+    const auto copy = [&](const double* from) {
+      return from != nullptr ? upload(from + first, size, stream) : DeviceArray<double>();
+    };
+    area = copy(weights.area);
+    volume = copy(weights.volume);
+  }
+  BatchWeights there() const { return {area.data(), volume.data()}; }
+};
+
+// Balls that the host measured, and balls at a kink.
+struct TakenBalls {
+  std::atomic<std::uint64_t> redone{0}, kinks{0};
+};
+
+// Uploads and measures the balls of some sets.
+void measure_part(const HostRows& rows, const SphereBatch& batch, const BatchWeights* weights,
+                  const SetRange& part, const Stream& stream, TakenBalls& taken) {
   const std::size_t first = batch.set_begin(part.first), size = batch.set_end(part.end - 1) - first;
   std::vector<std::size_t> offsets{0};
   for (std::size_t set = part.first; set < part.end; ++set) {
@@ -218,25 +297,28 @@ std::size_t measure_part(std::span<SphereMeasures> per_sphere, const SphereBatch
   const Sphere* const spheres = batch.spheres + first;
   const DeviceArray<Sphere> uploaded(size, stream);
   upload_parts({{uploaded.data(), spheres, uploaded.bytes()}}, stream);
-  return measure_balls(per_sphere.subspan(first, size),
-                       {.spheres = spheres, .size = size, .offsets = offsets}, uploaded.data(),
-                       stream)
-      .redone.size();
+  const UploadedWeights copied(weights != nullptr ? *weights : BatchWeights{}, first, size, stream);
+  const BatchWeights there = copied.there();
+  const MeasuredBatch measured =
+      measure_balls(rows.part(first, size), {.spheres = spheres, .size = size, .offsets = offsets},
+                    uploaded.data(), weights != nullptr ? &there : nullptr, stream);
+  taken.redone += measured.redone.size();
+  taken.kinks += measured.counts.kinks;
 }
 
 // Measures a batch in memory of the host. Two threads take its parts in turn, each with a stream of
 // its own, so that the balls of one part travel while the device measures those of another.
-std::uint64_t measure_from_host(std::span<SphereMeasures> per_sphere, const SphereBatch& batch) {
+void measure_from_host(const HostRows& rows, const SphereBatch& batch, const BatchWeights* weights,
+                       TakenBalls& taken) {
   const std::vector<SetRange> parts = parts_of(batch);
   int device = 0;
   check_cuda(cudaGetDevice(&device), "device");
   std::atomic<std::size_t> next{0};
-  std::atomic<std::uint64_t> redone{0};
   const auto take_parts = [&](std::size_t) {
     check_cuda(cudaSetDevice(device), "device");
     const Stream stream;
     for (std::size_t i = next++; i < parts.size(); i = next++) {
-      redone += measure_part(per_sphere, batch, parts[i], stream);
+      measure_part(rows, batch, weights, parts[i], stream, taken);
     }
   };
   try {
@@ -246,7 +328,12 @@ std::uint64_t measure_from_host(std::span<SphereMeasures> per_sphere, const Sphe
     SphereSet::view({batch.spheres, batch.size});
     throw;
   }
-  return redone;
+}
+
+void finish(BatchMeasures& result, const SphereBatch& batch, std::uint64_t redone) {
+  result.fallback_spheres = redone;
+  result.fallback.clear();
+  sum_sets(result, batch);
 }
 
 class CudaUnionMeasurer final : public UnionMeasurer {
@@ -257,15 +344,40 @@ class CudaUnionMeasurer final : public UnionMeasurer {
     const DeviceScope scope;
     begin_stage(monitor, "exact union (arcs, CUDA)", 1);
     if (batch.memory == MemorySpace::host) {
+      TakenBalls taken;
       result.per_sphere.resize(batch.size);
-      result.fallback_spheres = measure_from_host(result.per_sphere, batch);
-      result.fallback.clear();
-      sum_sets(result, batch);
+      measure_from_host({result.per_sphere}, batch, nullptr, taken);
+      finish(result, batch, taken.redone);
     } else {
       const Stream stream;
       measure_batch(result, batch, batch.spheres, stream);
     }
     advance(monitor, 1);
+  }
+
+  void gradients_into(BatchGradients& result, const SphereBatch& batch, const BatchWeights& weights,
+                      Monitor* monitor) const override {
+    check_sets(batch);
+    const DeviceScope scope;
+    begin_stage(monitor, "gradients of the exact union (CUDA)", 1);
+    if (batch.memory == MemorySpace::host) {
+      check_weights(weights_of(weights.area, batch), weights_of(weights.volume, batch), batch.size);
+      TakenBalls taken;
+      result.measures.per_sphere.resize(batch.size);
+      result.per_sphere.resize(batch.size);
+      measure_from_host({result.measures.per_sphere, result.per_sphere}, batch, &weights, taken);
+      result.kink_spheres = taken.kinks;
+      finish(result.measures, batch, taken.redone);
+    } else {
+      const Stream stream;
+      measure_batch(result, batch, batch.spheres, weights, stream);
+    }
+    advance(monitor, 1);
+  }
+
+ private:
+  static std::span<const double> weights_of(const double* weights, const SphereBatch& batch) {
+    return weights == nullptr ? std::span<const double>() : std::span(weights, batch.size);
   }
 };
 
@@ -274,10 +386,19 @@ class CudaUnionMeasurer final : public UnionMeasurer {
 MeasuredBatch measure_batch(BatchMeasures& result, const SphereBatch& batch, const Sphere* spheres,
                             const Stream& stream) {
   result.per_sphere.resize(batch.size);
-  MeasuredBatch measured = measure_balls(result.per_sphere, batch, spheres, stream);
-  result.fallback_spheres = measured.redone.size();
-  result.fallback.clear();
-  sum_sets(result, batch);
+  MeasuredBatch measured = measure_balls({result.per_sphere}, batch, spheres, nullptr, stream);
+  finish(result, batch, measured.redone.size());
+  return measured;
+}
+
+MeasuredBatch measure_batch(BatchGradients& result, const SphereBatch& batch, const Sphere* spheres,
+                            const BatchWeights& weights, const Stream& stream) {
+  result.measures.per_sphere.resize(batch.size);
+  result.per_sphere.resize(batch.size);
+  MeasuredBatch measured = measure_balls({result.measures.per_sphere, result.per_sphere}, batch,
+                                         spheres, &weights, stream);
+  result.kink_spheres = measured.counts.kinks;
+  finish(result.measures, batch, measured.redone.size());
   return measured;
 }
 
@@ -297,9 +418,10 @@ DeviceArcs measure_arcs_on_cuda(const SphereSet& spheres) {
   upload_parts({{uploaded.data(), balls.data(), uploaded.bytes()}}, stream);
   DeviceArcs arcs;
   arcs.per_sphere.resize(balls.size());
-  const auto [measured, doubtful] = measure::measure_and_download(
-      arcs.per_sphere, {0, static_cast<std::uint32_t>(balls.size())}, uploaded.data(), stream);
-  if (doubtful > 0) {
+  const auto [measured, counts] = measure::measure_and_download(
+      {arcs.per_sphere}, {0, static_cast<std::uint32_t>(balls.size())}, uploaded.data(), nullptr,
+      stream);
+  if (const std::uint32_t doubtful = counts.doubtful; doubtful > 0) {
     const DeviceArray<std::uint32_t> ids(doubtful, stream);
     launch("name_balls", measure::name_balls, over(doubtful, 256), stream, measured.cells.view(),
            measured.doubtful.data(), doubtful, ids.data());

@@ -1,5 +1,6 @@
-// The measurer of the CPU: exact_union() by arcs for each set. One set is measured on all cores;
-// many sets are measured side by side, a set for each task, with memory that each thread keeps.
+// The measurer of the CPU: exact_union() by arcs, or union_gradients(), for each set. One set is
+// measured on all cores; many sets are measured side by side, a set for each task, with memory that
+// each thread keeps.
 #include "measures/union_measurer.hpp"
 
 #include <tbb/parallel_for.h>
@@ -9,6 +10,7 @@
 
 #include "core/errors.hpp"
 #include "core/workspace.hpp"
+#include "measures/arcs/ball_gradient.hpp"
 #include "measures/many_unions.hpp"
 #include "measures/total_measures.hpp"
 
@@ -19,16 +21,26 @@ namespace {
 struct UnionThread {
   Workspace workspace;
   ExactUnion measured;
+  UnionGradients gradients;
 };
+
+void check_on_host(const SphereBatch& batch) {
+  if (batch.memory == MemorySpace::device) {
+    throw InvalidInput("the spheres are in device memory: the CPU cannot measure them");
+  }
+  check_sets(batch);
+}
+
+// The weights of `size` spheres from `first` on.
+std::span<const double> weights_from(const double* weights, std::size_t first, std::size_t size) {
+  return weights == nullptr ? std::span<const double>() : std::span(weights + first, size);
+}
 
 class CpuUnionMeasurer final : public UnionMeasurer {
  public:
   void measure_into(BatchMeasures& result, const SphereBatch& batch,
                     Monitor* monitor) const override {
-    if (batch.memory == MemorySpace::device) {
-      throw InvalidInput("the spheres are in device memory: the CPU cannot measure them");
-    }
-    check_sets(batch);
+    check_on_host(batch);
     result.per_sphere.resize(batch.size);
     result.fallback.clear();
     if (batch.set_count() == 1) {
@@ -37,6 +49,36 @@ class CpuUnionMeasurer final : public UnionMeasurer {
       measure_many(result, batch, monitor);
     }
     sum_sets(result, batch);
+  }
+
+  void gradients_into(BatchGradients& result, const SphereBatch& batch, const BatchWeights& weights,
+                      Monitor* monitor) const override {
+    check_on_host(batch);
+    SphereSet::view({batch.spheres, batch.size});  // errors name the index in the batch
+    check_weights(weights_from(weights.area, 0, batch.size),
+                  weights_from(weights.volume, 0, batch.size), batch.size);
+    BatchMeasures& measures = result.measures;
+    measures.per_sphere.resize(batch.size);
+    measures.fallback.clear();
+    result.per_sphere.resize(batch.size);
+    std::atomic<std::uint64_t> fallback_spheres{0}, kink_spheres{0};
+    for_each_union<UnionThread>(
+        batch.set_count(), monitor, [&](std::size_t set, UnionThread& space, Monitor* inside) {
+          const std::size_t first = batch.set_begin(set), size = batch.set_end(set) - first;
+          UnionGradients& found = space.gradients;
+          union_gradients_into(found, SphereSet::view({batch.spheres + first, size}),
+                               {.area_weights = weights_from(weights.area, first, size),
+                                .volume_weights = weights_from(weights.volume, first, size),
+                                .monitor = inside,
+                                .workspace = &space.workspace});
+          std::ranges::copy(found.per_sphere, measures.per_sphere.begin() + first);
+          std::ranges::copy(found.gradients, result.per_sphere.begin() + first);
+          fallback_spheres += found.fallback_spheres;
+          kink_spheres += found.kink_spheres;
+        });
+    measures.fallback_spheres = fallback_spheres;
+    result.kink_spheres = kink_spheres;
+    sum_sets(measures, batch);
   }
 
  private:

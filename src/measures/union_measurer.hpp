@@ -1,4 +1,5 @@
-// Exact area and volume of every ball of one union or of many, on the CPU or on a CUDA device.
+// Exact area and volume of every ball of one union or of many, and their derivatives, on the CPU or
+// on a CUDA device.
 //
 // Many small sets, such as the frames of a trajectory or a library of structures, are measured in
 // one call. make_union_measurer() (cuda/backend.hpp) chooses the backend.
@@ -12,6 +13,7 @@
 
 #include "core/monitor.hpp"
 #include "measures/exact_union.hpp"
+#include "measures/union_gradients.hpp"
 #include "spheres/sphere_batch.hpp"
 
 namespace vdwmesh {
@@ -24,6 +26,20 @@ struct BatchMeasures {
   std::uint64_t fallback_spheres = 0;
   // Why the CPU measured what was meant for a device; empty if it did not.
   std::string fallback;
+};
+
+// The weights w and u of union_gradients(): one for each sphere of a batch, in the memory in which
+// its spheres are. Null: all are 1.
+struct BatchWeights {
+  const double* area = nullptr;
+  const double* volume = nullptr;
+};
+
+struct BatchGradients {
+  BatchMeasures measures;
+  // Of Σ w A and Σ u V over the ball's set, in the order of the batch.
+  std::vector<BallGradient> per_sphere;
+  std::uint64_t kink_spheres = 0;  // as in UnionGradients, of all sets together
 };
 
 class UnionMeasurer {
@@ -43,6 +59,13 @@ class UnionMeasurer {
     measure_into(result, batch, monitor);
     return result;
   }
+  // The measures, with the same bits, and their derivatives, which union_gradients() describes.
+  // Backends differ by rounding: 1e-11 (1 + size). The rules for bits above hold for derivatives
+  // too. Throws as measure_into(), and InvalidInput for a weight or a derivative that is not
+  // finite.
+  virtual void gradients_into(BatchGradients& result, const SphereBatch& batch,
+                              const BatchWeights& weights = {},
+                              Monitor* monitor = nullptr) const = 0;
 };
 
 // On all cores.

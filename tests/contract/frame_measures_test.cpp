@@ -342,6 +342,10 @@ class NotingMeasurer : public UnionMeasurer {
     largest = std::max(largest, batch.size);
     measurer_->measure_into(result, batch, monitor);
   }
+  void gradients_into(BatchGradients& result, const SphereBatch& batch, const BatchWeights& weights,
+                      Monitor* monitor) const override {
+    measurer_->gradients_into(result, batch, weights, monitor);
+  }
   mutable std::size_t largest = 0;
 
  private:

@@ -427,6 +427,33 @@ TEST_F(OnDevice, MeasuresAreThoseOfTheHost) {
   }
 }
 
+// The same lattice: derivatives that stay on the device are those of copies on the host.
+TEST_F(OnDevice, GradientsAreThoseOfTheHost) {
+  std::vector<Sphere> balls;
+  std::vector<double> weights;
+  for (int i = 0; i < 128; ++i) {
+    const double shift = i < 64 ? 0 : 0.013 * (i % 7);
+    balls.push_back({{1.0 * (i % 4) + shift, 1.0 * (i / 4 % 4), 1.0 * (i / 16 % 4)}, 0.75});
+    weights.push_back(0.25 * (i % 5) - 0.5);
+  }
+  const Rows rows{SphereSet(balls)};
+  const Stream stream;
+  const DeviceArray<double> there = upload(weights.data(), weights.size(), stream.get());
+  stream.wait();
+  const std::vector<std::size_t> offsets{0, 64, 128};
+  BatchGradients expected;
+  make_union_measurer(Backend::cuda)
+      ->gradients_into(expected, {.spheres = balls.data(), .size = 128, .offsets = offsets},
+                       {.area = weights.data()});
+  std::vector<ExactUnion> found;
+  const CudaMeasures left = gradients_on_device(found, rows.frames(2), {.area = there.data()}, {});
+  EXPECT_GT(found.at(0).fallback_spheres, 0u);
+  EXPECT_EQ(found.at(1).area, expected.measures.totals.at(1).area);
+  EXPECT_EQ(left.kink_spheres(), expected.kink_spheres);
+  expect_same_array(left.gradients(), expected.per_sphere.data(), 128, "gradients");
+  expect_same_array(left.rows(), expected.measures.per_sphere.data(), 128, "measures");
+}
+
 // A mesh that is used after its atoms and later meshes are gone.
 TEST_F(OnDevice, ResultsOutliveWhatMadeThem) {
   const SphereSet spheres = crowd(200, 6, 1, 2, 3), others = crowd(200, 6, 1, 2, 4);
