@@ -1,7 +1,8 @@
 // The outer loop of the crease-exact mesher: it chooses feature sizes and checks the topology.
 // Feature sizes are thresholds: arcs and circles up to these sizes are reduced to points.
 //
-// 1. arrange() finds the arcs and corners of the boundary and the areas of the patches.
+// 1. arrange() takes the arcs and corners of the boundary and the areas of the patches from the
+//    regular triangulation.
 // 2. FeatureSizeSearch tries several sets of feature sizes. For each set, boundary_arcs() places
 //    arcs and corners in space, and mesh_boundary() meshes the patches between them (see mesher/).
 // 3. If features were reduced to points, compare() holds the Euler characteristic and the number of
@@ -22,6 +23,7 @@
 #include <utility>
 #include <vector>
 
+#include "complex/dual_complex.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
 #include "creases/arcs/arrangement.hpp"
@@ -57,22 +59,23 @@ constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-
 
 // The exact topology of the boundary, on which each point of contact counts twice, because the mesh
 // has a vertex on either ball there. Two balls that only touch are separate components here.
-SurfaceTopology surface_topology(const WholeComplex& a) {
-  const UnionTopology topology =
-      union_topology(a.triangulation, a.complex, inclusion_exclusion(a.triangulation, a.complex));
-  DisjointSets components(a.complex.in_complex.size());
-  for (const DualEdge& e : a.complex.edges) {
+SurfaceTopology surface_topology(const PlacedBalls& balls, const ExactMeshOptions& options) {
+  const PowerTriangulation t = triangulate_for_mesh(balls, options.monitor, options.memory_limit);
+  const DualComplex complex = dual_complex(t, options.monitor);
+  const UnionTopology topology = union_topology(t, complex, inclusion_exclusion(t, complex));
+  DisjointSets components(complex.in_complex.size());
+  for (const DualEdge& e : complex.edges) {
     const bool contact = e.singular && e.contact == Contact::touching;
     if (!contact) components.join(e.vertices[0], e.vertices[1]);
   }
   std::int64_t shells = static_cast<std::int64_t>(topology.voids);
   // A component counts if it has exposed area. A ball that is hidden except for a point of
   // contact has no surface to mesh.
-  std::vector<std::uint8_t> counted(a.complex.exposed.size(), 0);
+  std::vector<std::uint8_t> counted(complex.exposed.size(), 0);
   for (std::uint32_t v = 0; v < counted.size(); ++v) {
     std::uint8_t& of_component = counted[components.find(v)];
-    shells += a.complex.exposed[v] && !of_component;
-    of_component = of_component || a.complex.exposed[v];
+    shells += complex.exposed[v] && !of_component;
+    of_component = of_component || complex.exposed[v];
   }
   return {topology.euler_characteristic + 2 * static_cast<std::int64_t>(topology.point_contacts),
           shells};
@@ -170,12 +173,7 @@ class FeatureSizeSearch {
   void compare(ExactMeshStats& stats) {
     if (stats.points + stats.contacts + stats.joins == 0) return;
     if (!exact_) {
-      team_.together([&] {
-        exact_ = arrangement_.whole
-                     ? surface_topology(*arrangement_.whole)
-                     : surface_topology(whole_complex(arrangement_.balls, options_.monitor,
-                                                      options_.memory_limit));
-      });
+      team_.together([&] { exact_ = surface_topology(arrangement_.balls, options_); });
     }
     const SurfaceTopology found = team_.topology();
     stats.euler_difference = found.euler_characteristic - exact_->euler_characteristic;
@@ -244,7 +242,7 @@ class OneProcess final : public MeshTeam {
 
 // Meshes a set of which each process arranges its part. Returns nothing, in all of them, if
 // features had to be reduced to points or curves are too close: corners that were joined and other
-// feature sizes concern the whole set. So do balls of no ordinary size (Arrangement::is_ordinary).
+// feature sizes concern the whole set. So do balls of no ordinary size (ArrangedPart::is_ordinary).
 // It also returns nothing if a part does not fit the memory: parts are cut by an estimate of their
 // triangles, and shares of a whole arrangement by the areas of the patches.
 std::optional<ExactMeshStats> mesh_in_parts(MeshTeam& team, const SphereSet& spheres,
@@ -254,15 +252,14 @@ std::optional<ExactMeshStats> mesh_in_parts(MeshTeam& team, const SphereSet& sph
   team.together([&] { part = arrange_part(spheres, team.number(), team.count(), options); });
   const BoundaryArcs& boundary = part->boundary;
   const bool concerns_whole =
-      boundary.points + boundary.contacts + boundary.joins > 0 || !part->arrangement.is_ordinary;
+      boundary.points + boundary.contacts + boundary.joins > 0 || !part->is_ordinary;
   if (team.sum(std::uint64_t{concerns_whole}) > 0) return std::nullopt;
-  const std::uint64_t triangulated = team.sum(part->doubtful);
   const double arrangement_seconds = seconds_since(begin);
   try {
     ExactMeshStats stats = mesh_boundary(part->arrangement, std::move(part->boundary), options,
                                          nullptr, team, &part->part);
     team.keep();
-    stats.triangulated_balls = triangulated;
+    stats.triangulated_balls = spheres.size();
     stats.arrangement_seconds = arrangement_seconds;
     stats.seconds = seconds_since(begin);
     return stats;
@@ -319,8 +316,7 @@ ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSe
   team.together([&] { arrangement = arrange(spheres, options.monitor, options.memory_limit); });
   const double arrangement_seconds = seconds_since(begin);
   ExactMeshStats stats = FeatureSizeSearch(*arrangement, options, device, team).run();
-  stats.triangulated_balls =
-      static_cast<std::uint64_t>(std::ranges::count(arrangement->is_doubtful, 1));
+  stats.triangulated_balls = spheres.size();
   stats.arrangement_seconds = arrangement_seconds;
   stats.seconds = seconds_since(begin);
   return stats;

@@ -6,12 +6,12 @@
 // lies in that sphere's power cell. Each arc is sampled once. The patches on both sides of the arc
 // use the same points, so the mesh is watertight.
 //
-// Topology. Double precision decides which corners, arcs and patches there are where its error
-// bounds say that it can (arcs/doubts.hpp), and an exact triangulation decides the rest. The mesh
-// has the topology of the union, unless features are too small for double coordinates. By default
-// such features are arcs shorter than 1e-8 of the sphere's radius, circles with a radius below 1e-6
-// of it, and curves nearer to each other than 1e-8 of it. The mesher reduces each of them to a
-// point and separates surfaces that meet in this point only.
+// Topology. The regular triangulation of the balls, which is exact, decides which corners, arcs and
+// patches there are. The mesh has the topology of the union, unless features are too small for
+// double coordinates. By default such features are arcs shorter than 1e-8 of the sphere's radius,
+// circles with a radius below 1e-6 of it, and curves nearer to each other than 1e-8 of it. The
+// mesher reduces each of them to a point and separates surfaces that meet in this point only. What
+// the triangulation gives is in arcs/arrangement.hpp.
 //
 // Fallbacks. If the reduction changes the topology, the mesher tries again with the smaller
 // thresholds 1e-11 for arcs and 1e-7 for circles. If curves lie too close to be meshed, it tries
@@ -97,8 +97,8 @@ struct ExactMeshStats {
   // at a corner of the patch where that is less. Empty with a bound on the angles, which takes the
   // place of these.
   std::optional<std::uint64_t> below_floor;
-  // Balls whose arcs double precision did not decide: an exact triangulation of the balls around
-  // them decided.
+  // Balls whose corners and arcs an exact triangulation decided: all of them, concentric ones of
+  // which only the largest counts included.
   std::uint64_t triangulated_balls = 0;
   // Wall time. The first is the part before meshing: arcs and corners, and areas.
   double arrangement_seconds = 0, seconds = 0;

@@ -260,6 +260,13 @@ std::vector<SphereId> near_spheres(const SphereSet& spheres, const PartCuts& par
   });
 }
 
+// Whether a scaled ball is of an ordinary size, so that the triangulation of any part of the balls
+// has numbers that neither over- nor underflow.
+bool is_ordinary(const Sphere& s) {
+  constexpr double kLeastRadius = 1e-30;  // of the largest
+  return s.radius >= kLeastRadius && largest_coordinate(s) <= kFarthestSphere;
+}
+
 // Leaves out the arcs and corners without an own ball.
 void leave_out_others(const MeshShare::Run& own, BoundaryArcs& boundary) {
   const auto is_at_own = [&](const auto& balls) {
@@ -315,9 +322,7 @@ ArrangedPart arrange_part(const SphereSet& spheres, std::size_t number, std::siz
   const auto own = std::ranges::equal_range(out.part.owner, mine);
   share.balls = {static_cast<std::uint32_t>(own.begin() - out.part.owner.begin()),
                  static_cast<std::uint32_t>(own.end() - out.part.owner.begin())};
-  const std::vector<std::uint8_t>& doubts = out.arrangement.is_doubtful;
-  out.doubtful = static_cast<std::uint64_t>(
-      std::count(doubts.begin() + share.balls.first, doubts.begin() + share.balls.second, 1));
+  out.is_ordinary = std::ranges::all_of(t.balls, is_ordinary);
   out.boundary = boundary_arcs(t, out.arrangement.boundary, {}, options.monitor);
   leave_out_others(share.balls, out.boundary);
   share.corners = own_run(out.boundary.corners, share.balls.first);

@@ -22,7 +22,7 @@ struct ArrangedPart {
   // whole set has to be arranged: then an arc may end in a corner that is left out, kNoIndex.
   BoundaryArcs boundary;
   OwnedPart part;
-  std::uint64_t doubtful = 0;  // own balls that are (Arrangement::is_doubtful)
+  bool is_ordinary = true;  // no ball is of a size for which numbers would over- or underflow
 };
 
 // Cuts the set into as many parts as there are processes, of about equal work, each a run along the
