@@ -1,8 +1,7 @@
 # Headers, libraries and the package that find_package(vdwmesh) finds. Only the headers listed here
 # are for users. They include none of the others: tests/sources checks that, and tests/consumer
 # compiles every one of them alone from an installed copy.
-set(vdwmesh_rooms core spheres surface structure extract refine complex measures pockets creases excluded remesh interface batch mesh analysis render cuda
-    cuda_gl)
+set(vdwmesh_rooms core spheres surface structure extract refine complex measures pockets creases excluded remesh interface batch mesh analysis render cuda)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas short_text)
 set(spheres_headers cell_list_frame sphere_batch sphere_set)
@@ -21,7 +20,7 @@ set(analysis_headers comparison convergence distance_measurer distances exposure
     signed_distance study)
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
-set(cuda_headers backend backend_choice cuda_source on_device)
+set(cuda_headers backend backend_choice on_device)
 foreach(room core spheres surface structure extract refine measures pockets creases excluded remesh interface batch mesh analysis render cuda)
   set(folder "${PROJECT_SOURCE_DIR}/src/${room}")
   if(room STREQUAL "cuda")

@@ -11,16 +11,15 @@ target=${1:?usage: scripts/bundle.sh DIR [BUILD]}
 build=${2:-$source_dir/build/cuda}
 shared=${VDWMESH_SHARED:-$source_dir/../shared}
 
-# The tests that compare backends or try CUDA; other tests need no GPU. A build that draws nothing has
-# no cuda_gl_test.
+# The tests that compare backends or try CUDA; other tests need no GPU.
 programs=() missing=()
-for name in apps/vdwmesh tests/cuda/cuda_{parity,device_test,gl_test} \
+for name in apps/vdwmesh tests/cuda/cuda_{parity,device_test} \
             tests/contract/{exact_mesher_contract,extractor_contract,refiner_contract,properties,union_measurer_contract,excluded_measurer_contract,distance_measurer_contract}_test \
             bench/cuda_bench bench/measurer_bench bench/patches_bench bench/exact_mesh_bench bench/distances_bench \
             bench/excluded_bench bench/extract_survey bench/vdwmesh-bench; do
   if [ -x "$build/$name" ]; then
     programs+=("$build/$name")
-  elif [ -d "$build/tests/cuda/CMakeFiles/$(basename "$name").dir" ] || [[ $name != *gl_test ]]; then
+  else
     missing+=("$(basename "$name")")
   fi
 done
@@ -61,8 +60,7 @@ fi
 
 cat > "$target/run-tests.sh" <<'RUN'
 #!/usr/bin/env bash
-# Every test over both backends; a missing device is a failure, and with VDWMESH_REQUIRE_CUDA_GL=1
-# so is an OpenGL that does not draw on it. Arguments go to every test program.
+# Every test over both backends; a missing device is a failure. Arguments go to every test program.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"

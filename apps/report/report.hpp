@@ -85,8 +85,7 @@ struct PictureReport {
   std::string path, view, device;
   int width = 0, height = 0;  // pixels
   std::uint64_t triangles = 0;
-  std::optional<ColorScale> scale;   // of a picture that shows values
-  Backend filled_by = Backend::cpu;  // who wrote the vertex buffers
+  std::optional<ColorScale> scale;  // of a picture that shows values
 };
 
 // The stages of a run follow each other without gaps; what did not run is empty.

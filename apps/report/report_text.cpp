@@ -400,9 +400,7 @@ std::string picture_text(const PictureReport& picture) {
          fmt::format("{}: {} from {:.6g} to {:.6g}", picture.scale->title,
                      name_of(picture.scale->map), picture.scale->lower, picture.scale->upper));
   }
-  line(out, "Drawn by",
-       picture.filled_by == Backend::cuda ? picture.device + "; vertex buffers filled by CUDA"
-                                          : picture.device);
+  line(out, "Drawn by", picture.device);
   return text;
 }
 

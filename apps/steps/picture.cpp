@@ -1,6 +1,5 @@
 // Paints meshes and has them drawn. Colours are values at triangles or vertices, with a scale that
-// shows all but one in a hundred of them; the renderer knows nothing of molecules or distances. The
-// vertex buffers are filled by CUDA where it is there, else from the host's memory.
+// shows all but one in a hundred of them; the renderer knows nothing of molecules or distances.
 #include "steps/picture.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +9,6 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
-#include "cuda/cuda_source.hpp"
 #include "mesh/element_color.hpp"
 #include "render/crease_split.hpp"
 #include "report/output.hpp"
@@ -41,26 +39,8 @@ std::uint64_t left_of(std::uint64_t limit, std::uint64_t taken) {
   return limit > taken ? limit - taken : 0;
 }
 
-struct Drawing {
-  Picture picture;
-  Backend filled_by = Backend::cpu;
-};
-
-// CUDA fills the buffers where it made the mesh; a driver that does not share them is no error.
-Drawing draw(const Renderer& renderer, const MeshSource& host, const RenderOptions& options,
-             Backend backend, std::vector<std::string>& notes) {
-  if (backend == Backend::cpu) return {renderer.draw(host, options), Backend::cpu};
-  release_device_memory();  // OpenGL needs it now
-  const CudaSource source(host, renderer.cuda_device());
-  Picture picture = renderer.draw(source, options);
-  if (source.obstacle().empty()) return {std::move(picture), Backend::cuda};
-  notes.push_back(fmt::format("vertex buffers of the picture were filled from host memory: {}",
-                              source.obstacle()));
-  return {std::move(picture), Backend::cpu};
-}
-
 PictureReport report_of(const PictureOptions& options, const MeshSource& source,
-                        const std::string& device, Backend filled_by) {
+                        const std::string& device) {
   const ColorScale* scale = source.scale();
   return {options.path,
           options.view,
@@ -68,8 +48,7 @@ PictureReport report_of(const PictureOptions& options, const MeshSource& source,
           options.render.width,
           options.render.height,
           source.triangle_count(),
-          scale ? std::optional(*scale) : std::nullopt,
-          filled_by};
+          scale ? std::optional(*scale) : std::nullopt};
 }
 
 // Calls visit(v, patch) for the corners of all triangles. Every vertex of `shown`, which
@@ -170,9 +149,9 @@ void draw_mesh(const IndexedMesh& mesh, const Painter& painter, const PictureOpt
   const MeshSource source(mesh, std::move(paint));
   RenderOptions render = options.render;
   render.memory_limit = left_of(session.machine.memory_limit, indexed_mesh_bytes(mesh));
-  const Drawing drawing = draw(renderer, source, render, backend, report.notes);
-  write_file(options.path, encode_png(drawing.picture));
-  report.picture = report_of(options, source, renderer.device(), drawing.filled_by);
+  if (backend == Backend::cuda) release_device_memory();  // OpenGL needs it now
+  write_file(options.path, encode_png(renderer.draw(source, render)));
+  report.picture = report_of(options, source, renderer.device());
   session.end_stage(&Timing::picture);
   advance(session.monitor, 1);
 }

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/host_device.hpp"
-
 namespace vdwmesh {
 
 // A colour in sRGB, gamma-encoded as screens and picture files take it; each channel is in [0, 1].
@@ -18,10 +16,10 @@ struct Rgb {
 
 // Returns the nearest byte to 255 times a channel, or three of them; channels are first clamped to
 // [0, 1].
-VDWMESH_HD inline std::uint8_t to_byte(float channel) {
+inline std::uint8_t to_byte(float channel) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
 }
-VDWMESH_HD inline std::array<std::uint8_t, 3> to_bytes(const Rgb& color) {
+inline std::array<std::uint8_t, 3> to_bytes(const Rgb& color) {
   return {to_byte(color.r), to_byte(color.g), to_byte(color.b)};
 }
 

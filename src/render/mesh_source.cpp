@@ -1,9 +1,8 @@
 // The surface source of a mesh in host memory.
 //
-// The constructor checks the mesh, integrates its moments and completes its normals; fill() then
-// writes the vertices into the renderer's buffers. The moments, support() and fill() take all
-// cores, in blocks of fixed size. Partial sums are added in the order of the blocks, so results do
-// not depend on the number of threads.
+// The constructor checks the mesh, integrates its moments and completes its normals. The moments,
+// support() and write_vertices() take all cores, in blocks of fixed size. Partial sums are added in
+// the order of the blocks, so results do not depend on the number of threads.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -202,29 +201,31 @@ const ColorScale* MeshSource::scale() const {
   return nullptr;
 }
 
-SurfaceArrays MeshSource::arrays() const {
-  SurfaceArrays arrays;
-  arrays.vertex_count = mesh_.vertex_count();
-  arrays.triangles = mesh_.triangles;
-  VertexArrays& vertices = arrays.vertices;
-  vertices.positions = mesh_.positions.data();
-  vertices.normals = normals_.empty() ? mesh_.normals.data() : normals_.data();
-  if (const auto* color = std::get_if<Rgb>(&paint_)) vertices.color = *color;
-  if (const auto* each = std::get_if<VertexColors>(&paint_)) vertices.colors = each->colors.data();
-  if (const auto* each = std::get_if<VertexValues>(&paint_)) vertices.values = each->values.data();
-  if (const auto* each = std::get_if<TriangleValues>(&paint_))
-    arrays.triangle_values = each->values;
-  return arrays;
+// The difference of positions is taken in double before it becomes float, which keeps the digits of
+// vertices far from the coordinate origin.
+void MeshSource::write_vertices(std::span<SurfaceVertex> vertices, const Vec3d& origin) const {
+  const Vec3f* normals = normals_.empty() ? mesh_.normals.data() : normals_.data();
+  const auto* one = std::get_if<Rgb>(&paint_);
+  const auto* colors = std::get_if<VertexColors>(&paint_);
+  const auto* values = std::get_if<VertexValues>(&paint_);
+  for_each_index(vertices.size(), [&](std::size_t v) {
+    const Rgb color = colors ? colors->colors[v] : one ? *one : Rgb{0, 0, 0};
+    const std::array<std::uint8_t, 3> bytes = to_bytes(color);
+    vertices[v] = {cast<float>(mesh_.positions[v] - origin),
+                   normals[v],
+                   {bytes[0], bytes[1], bytes[2], 255},
+                   values ? values->values[v] : 0};
+  });
 }
 
-void MeshSource::fill(SurfaceTarget& target, const Vec3d& origin) const {
-  const SurfaceArrays from = arrays();
-  const std::span<SurfaceVertex> vertices = target.vertices();
-  for_each_index(vertices.size(),
-                 [&](std::size_t v) { vertices[v] = surface_vertex(from.vertices, v, origin); });
-  std::ranges::copy(from.triangles, target.triangles().begin());
-  if (from.triangle_values.empty()) return;
-  std::ranges::copy(from.triangle_values, target.triangle_values().begin());
+void MeshSource::write_triangles(std::span<Triangle> triangles) const {
+  std::ranges::copy(mesh_.triangles, triangles.begin());
+}
+
+void MeshSource::write_triangle_values(std::span<float> values) const {
+  if (const auto* each = std::get_if<TriangleValues>(&paint_)) {
+    std::ranges::copy(each->values, values.begin());
+  }
 }
 
 }  // namespace vdwmesh

@@ -56,7 +56,7 @@ struct Size {
 };
 
 // Throws LimitExceeded if the buffers and the samples need more than `limit` bytes.
-void check_memory(const SurfaceSource& source, const Size& samples, std::uint64_t limit) {
+void check_memory(const MeshSource& source, const Size& samples, std::uint64_t limit) {
   const auto pixels =
       static_cast<std::uint64_t>(samples.width) * static_cast<std::uint64_t>(samples.height);
   const std::uint64_t needed = buffer_bytes(source) + kBytesPerSample * pixels;
@@ -139,7 +139,7 @@ void draw_triangles(const SurfaceProgram& program, std::uint64_t count) {
 
 // Draws the surface into the bound framebuffer. Faces are not culled, so that the inside of an open
 // surface is visible. The cleared samples have alpha 0, which marks them as not covered.
-void draw_surface(const SurfaceSource& source, const RenderOptions& options, const Camera& camera,
+void draw_surface(const MeshSource& source, const RenderOptions& options, const Camera& camera,
                   const Size& size) {
   const SurfaceBuffers buffers(source, camera.origin);
   const SurfaceProgram program(options.shading);
@@ -177,7 +177,7 @@ void require_something(const PixelSamples& samples) {
 }
 
 // Height in pixels of the part of the picture above the colour bar.
-int surface_height(const SurfaceSource& source, const RenderOptions& options) {
+int surface_height(const MeshSource& source, const RenderOptions& options) {
   if (!source.scale()) return options.height;
   return options.height - legend_height(options.width, options.height);
 }
@@ -189,9 +189,8 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
 const std::string& Renderer::device() const { return context_->device(); }
-std::optional<int> Renderer::cuda_device() const { return context_->cuda_device(); }
 
-Picture Renderer::draw(const SurfaceSource& source, const RenderOptions& options) const {
+Picture Renderer::draw(const MeshSource& source, const RenderOptions& options) const {
   check_options(options);
   const int height = surface_height(source, options);
   const Size size{options.width * options.samples_per_axis, height * options.samples_per_axis};

@@ -60,17 +60,13 @@ class Renderer {
   // 4.5".
   const std::string& device() const;
 
-  // The number that CUDA has for the OpenGL device. Empty if it is no CUDA device or its driver
-  // does not say.
-  std::optional<int> cuda_device() const;
-
   // Draws the surface. Both sides of it are visible: the outside and, if the surface is open, the
   // inside. If it shows values, a colour bar stands below it. The same input gives the same
   // picture, bit for bit, on the same device.
   //
   // Throws InvalidInput if an option is out of range or no pixel is covered. Throws LimitExceeded
   // if the picture or the buffers need more memory than memory_limit or than the device has.
-  Picture draw(const SurfaceSource& surface, const RenderOptions& options) const;
+  Picture draw(const MeshSource& surface, const RenderOptions& options) const;
 
  private:
   std::shared_ptr<EglContext> context_;  // owned alone; a build without OpenGL lacks the type

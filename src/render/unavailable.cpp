@@ -17,8 +17,7 @@ Renderer::Renderer() { throw BackendUnavailable(kReason); }
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 const std::string& Renderer::device() const { throw BackendUnavailable(kReason); }
-std::optional<int> Renderer::cuda_device() const { throw BackendUnavailable(kReason); }
-Picture Renderer::draw(const SurfaceSource&, const RenderOptions&) const {
+Picture Renderer::draw(const MeshSource&, const RenderOptions&) const {
   throw BackendUnavailable(kReason);
 }
 std::string encode_png(const Picture&) { throw BackendUnavailable(kReason); }

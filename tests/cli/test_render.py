@@ -381,16 +381,6 @@ class OfReports(PictureTest):
         self.assertEqual(scale["lower"], -scale["upper"])
         self.assertIsNone(self.report("report", "--sample", "bpti", "--subdivide", "0")["picture"])
 
-    def test_who_filled_the_vertex_buffers(self):
-        for backend in ("cpu", "auto"):
-            options = ("--picture", self.folder / "a.png", *SMALL, "--backend", backend)
-            report = self.report("report", "--sample", "bpti", *options)
-            filled_by, used = report["picture"]["filled_by"], report["backend"]["used"]
-            explained = any("vertex buffers" in note for note in report["notes"])
-            with self.subTest(backend=backend, used=used, filled_by=filled_by):
-                self.assertEqual(explained, filled_by != used)
-                self.assertIn(filled_by, ("cpu", used))
-
     def test_of_a_mesh_file_on_a_backend_that_is_not_there(self):
         if parse_json(self.run_ok("info", "--json", "-").stdout)["cuda"]["devices"]:
             self.skipTest("this machine has a CUDA device")

@@ -54,21 +54,7 @@ void require_libraries() {
   }
 }
 
-struct NamedDisplay {
-  EGLDisplay display;
-  std::string name;
-  std::optional<int> cuda_device;
-};
-
-// The number that CUDA has for the device, if its driver says so (EGL_NV_device_cuda).
-std::optional<int> cuda_number(EGLDeviceEXT device) {
-  const auto text = address_of<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
-  const auto query = address_of<PFNEGLQUERYDEVICEATTRIBEXTPROC>("eglQueryDeviceAttribEXT");
-  if (!text || !query || !lists(text(device, EGL_EXTENSIONS), "EGL_NV_device_cuda")) return {};
-  EGLAttrib number = 0;
-  if (!query(device, EGL_CUDA_DEVICE_NV, &number)) return {};
-  return static_cast<int>(number);
-}
+using NamedDisplay = std::pair<EGLDisplay, std::string>;
 
 // Returns one display per EGL device, in the order of EGL; none if the extensions are missing. Mesa
 // lists hardware before its software rasterizer. Some drivers advertise only EGL_EXT_device_base,
@@ -85,8 +71,8 @@ std::vector<NamedDisplay> device_displays(const char* extensions) {
   std::vector<NamedDisplay> displays;
   displays.reserve(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    displays.push_back({get(EGL_PLATFORM_DEVICE_EXT, found[i], nullptr),
-                        fmt::format("EGL device {}", i), cuda_number(found[i])});
+    displays.emplace_back(get(EGL_PLATFORM_DEVICE_EXT, found[i], nullptr),
+                          fmt::format("EGL device {}", i));
   }
   return displays;
 }
@@ -97,8 +83,8 @@ std::vector<NamedDisplay> displays_without_window() {
   std::vector<NamedDisplay> displays = device_displays(extensions);
   const auto get = address_of<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (get && lists(extensions, "EGL_MESA_platform_surfaceless")) {
-    displays.push_back({get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr),
-                        "surfaceless platform", std::nullopt});
+    displays.emplace_back(get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr),
+                          "surfaceless platform");
   }
   return displays;
 }
@@ -125,10 +111,8 @@ EGLConfig choose_config(EGLDisplay display) {
 EglContext::EglContext() {
   require_libraries();
   std::string reasons;
-  for (const NamedDisplay& candidate : displays_without_window()) {
-    if (!try_open(candidate.display, candidate.name, reasons)) continue;
-    cuda_device_ = candidate.cuda_device;
-    return;
+  for (const auto& [display, name] : displays_without_window()) {
+    if (try_open(display, name, reasons)) return;
   }
   throw BackendUnavailable(fmt::format(
       "no pictures: EGL gives no OpenGL 3.3 context without a display ({}); Debian's software "

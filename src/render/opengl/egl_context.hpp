@@ -4,7 +4,6 @@
 #include <epoxy/egl.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace vdwmesh {
@@ -33,8 +32,6 @@ class EglContext {
 
   // Name of the device and version of OpenGL.
   const std::string& device() const { return device_; }
-  // The device's number in CUDA; see Renderer::cuda_device().
-  std::optional<int> cuda_device() const { return cuda_device_; }
 
  private:
   void open(EGLDisplay display);
@@ -44,7 +41,6 @@ class EglContext {
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
   std::string device_;
-  std::optional<int> cuda_device_;
 };
 
 }  // namespace vdwmesh

@@ -58,53 +58,34 @@ TEST(MeshSource, SupportIsThatOfTheTrianglesVertices) {
   EXPECT_EQ(MeshSource(mesh, kGrey).support(directions), (std::vector<double>{2, 0, 6}));
 }
 
-// Buffers in host memory.
-class HostTarget : public SurfaceTarget {
- public:
-  explicit HostTarget(const SurfaceSource& source)
-      : vertices_(source.vertex_count()), triangles_(source.triangle_count()) {
-    if (source.paint() == PaintKind::triangle_value) values_.resize(source.triangle_count());
-  }
-  std::span<SurfaceVertex> vertices() override { return vertices_; }
-  std::span<Triangle> triangles() override { return triangles_; }
-  std::span<float> triangle_values() override { return values_; }
-  unsigned vertex_buffer() const override { return 0; }
-  unsigned index_buffer() const override { return 0; }
-  unsigned triangle_value_buffer() const override { return 0; }
-
- private:
-  std::vector<SurfaceVertex> vertices_;
-  std::vector<Triangle> triangles_;
-  std::vector<float> values_;
-};
-
 TEST(MeshSource, FillsWithPositionsAboutTheOriginAndOpaqueColors) {
   IndexedMesh mesh = translated(tetrahedron(), {1e6, 0, 0});
   mesh.normals.assign(4, Vec3f{0, 0.6f, -0.8f});
   const std::vector<Rgb> colors{{0, 0.5f, 1}, {-1, 2, 0.2f}, kGrey, kGrey};
   const MeshSource source(mesh, VertexColors{colors});
-  HostTarget target(source);
-  source.fill(target, {1e6 - 0.25, 0.5, 0});
-  const std::span<SurfaceVertex> vertices = target.vertices();
+  std::vector<SurfaceVertex> vertices(source.vertex_count());
+  source.write_vertices(vertices, {1e6 - 0.25, 0.5, 0});
   EXPECT_EQ(vertices[1].position, (Vec3f{1.25f, -0.5f, 0}));
   EXPECT_EQ(vertices[1].normal, (Vec3f{0, 0.6f, -0.8f}));
   EXPECT_EQ(vertices[0].color, (Rgba8{0, 128, 255, 255}));  // 127.5 is rounded up
   EXPECT_EQ(vertices[1].color, (Rgba8{0, 255, 51, 255}));
   EXPECT_EQ(vertices[0].value, 0);
-  EXPECT_EQ(target.triangles()[2], mesh.triangles[2]);
+  std::vector<Triangle> triangles(source.triangle_count());
+  source.write_triangles(triangles);
+  EXPECT_EQ(triangles[2], mesh.triangles[2]);
 }
 
 TEST(MeshSource, FillsWithItsValues) {
   const IndexedMesh mesh = tetrahedron();
   const ColorScale scale;
   const MeshSource by_vertex(mesh, VertexValues{{1, 2, 3, 4}, scale});
-  HostTarget vertex_target(by_vertex);
-  by_vertex.fill(vertex_target, {0, 0, 0});
-  EXPECT_EQ(vertex_target.vertices()[2].value, 3);
+  std::vector<SurfaceVertex> vertices(4);
+  by_vertex.write_vertices(vertices, {0, 0, 0});
+  EXPECT_EQ(vertices[2].value, 3);
   const MeshSource by_triangle(mesh, TriangleValues{{5, 6, 7, 8}, scale});
-  HostTarget triangle_target(by_triangle);
-  by_triangle.fill(triangle_target, {0, 0, 0});
-  EXPECT_EQ(triangle_target.triangle_values()[3], 8);
+  std::vector<float> values(4);
+  by_triangle.write_triangle_values(values);
+  EXPECT_EQ(values[3], 8);
 }
 
 TEST(VertexNormals, OfASphereAreItsRadii) {
