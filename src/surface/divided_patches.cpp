@@ -17,13 +17,11 @@ PatchVertices survey_patches(const IndexedMesh& mesh) {
         all.all_are_patches &= is_patch(mesh, t);
         all.last_corner = std::max({all.last_corner, corner[0], corner[1], corner[2]});
         all.first_midpoint = std::min({all.first_midpoint, middle[0], middle[1], middle[2]});
-        all.last_midpoint = std::max({all.last_midpoint, middle[0], middle[1], middle[2]});
       },
       [](const PatchVertices& a, const PatchVertices& b) {
         return PatchVertices{a.all_are_patches && b.all_are_patches,
                              std::max(a.last_corner, b.last_corner),
-                             std::min(a.first_midpoint, b.first_midpoint),
-                             std::max(a.last_midpoint, b.last_midpoint)};
+                             std::min(a.first_midpoint, b.first_midpoint)};
       });
 }
 

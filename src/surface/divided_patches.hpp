@@ -33,7 +33,7 @@ inline bool is_patch(const IndexedMesh& mesh, std::size_t t) {
 // What the patches of a mesh have for vertices.
 struct PatchVertices {
   bool all_are_patches = true;
-  std::uint32_t last_corner = 0, first_midpoint = 0xffffffffu, last_midpoint = 0;
+  std::uint32_t last_corner = 0, first_midpoint = 0xffffffffu;
 
   // Whether all are patches, and all of their corners come before all of their midpoints.
   bool are_in_order() const { return all_are_patches && last_corner < first_midpoint; }

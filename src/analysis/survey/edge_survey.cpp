@@ -10,20 +10,15 @@
 //  3. In all other cases union-find over triangles and over corners, on one thread, answers the
 //     same questions (join_across_edges()).
 //
-// A mesh that was made by dividing triangles is surveyed by way of the mesh that was divided
-// (analysis/survey/divided_survey.hpp).
-//
 // A corner is one vertex of one triangle. Corner 3t + k is at vertex k of triangle t, where
 // half-edge 3t + k begins.
 #include "analysis/survey/edge_survey.hpp"
 
 #include <algorithm>
 #include <atomic>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "analysis/survey/divided_survey.hpp"
 #include "analysis/survey/vertex_survey.hpp"
 #include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
@@ -109,9 +104,6 @@ void join_across_edges(const IndexedMesh& mesh, bool at_most_two_sides, EdgeSurv
 }  // namespace
 
 EdgeSurvey survey_edges(const IndexedMesh& mesh, BracketedValues* edge_lengths) {
-  if (std::optional<EdgeSurvey> divided = survey_divided(mesh, edge_lengths)) {
-    return *std::move(divided);
-  }
   DisjointSets connected(mesh.vertex_count());
   const PartSurvey part = survey_part(whole(mesh), {edge_lengths, &connected});
   EdgeSurvey survey{part.closed, part.manifold, part.oriented, part.edges, part.used_vertices, 0,

@@ -20,8 +20,7 @@ struct EdgeSurvey {
 };
 
 // If `edge_lengths` is given, it gets the length of each edge, once, in Å. Throws as survey_part()
-// (analysis/survey/vertex_survey.hpp); of a divided mesh, as that of the mesh that was divided
-// would.
+// (analysis/survey/vertex_survey.hpp).
 EdgeSurvey survey_edges(const IndexedMesh& mesh, BracketedValues* edge_lengths = nullptr);
 
 }  // namespace vdwmesh

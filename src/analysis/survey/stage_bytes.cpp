@@ -55,9 +55,7 @@ std::uint64_t surface_mesh_bytes(const MeshSize& m, Connectivity given) {
 std::uint64_t measures_bytes(const MeshSize& m) {
   // The union-find over vertices exists through the whole survey. First there is the list of
   // triangles by ranges of vertices: one to three entries for each, 1.3 in meshes of the meshers.
-  // Then the shell of each triangle, and a number for each vertex. A divided mesh takes no more:
-  // the triangles of its corners and the ends at its midpoints are 6 bytes a triangle, and all
-  // others are a quarter.
+  // Then the shell of each triangle, and a number for each vertex.
   const std::uint64_t connected = m.vertices * kIndex;
   const std::uint64_t by_range = 3 * m.triangles / 2 * kIndex;
   const std::uint64_t shells = m.triangles * kIndex + m.vertices * kIndex;

@@ -12,7 +12,6 @@
 #include <set>
 #include <vector>
 
-#include "analysis/survey/divided_survey.hpp"
 #include "analysis/survey/vertex_survey.hpp"
 #include "core/fixed_blocks.hpp"
 
@@ -185,17 +184,10 @@ Triangles divided(const Triangles& soup, std::uint32_t vertices) {
   return fine;
 }
 
-bool is_surveyed_as_divided(const Triangles& triangles, std::size_t vertices) {
-  IndexedMesh mesh;
-  mesh.triangles.assign(triangles.begin(), triangles.end());
-  mesh.positions.resize(vertices);
-  return survey_divided(mesh, nullptr).has_value();
-}
-
-// Closed manifolds that were divided once and twice are surveyed by way of their corners; and such
-// of which something is not as it should be: vertices of the coarse mesh joined or a triangle of it
-// turned, a midpoint that is another one or a corner in one patch or everywhere, and patches or
-// their triangles in another order. Ten bipyramids have more patches than the first look takes.
+// Closed manifolds that were divided once and twice, and such of which something is not as it
+// should be: vertices of the coarse mesh joined or a triangle of it turned, a midpoint that is
+// another one or a corner in one patch or everywhere, and patches or their triangles in another
+// order.
 TEST(EdgeSurvey, DividedMeshes) {
   constexpr std::uint32_t kShells = 10, kVertices = 8 * kShells;
   std::mt19937 random(6);
@@ -233,9 +225,6 @@ TEST(EdgeSurvey, DividedMeshes) {
       vertices *= 4;
     }
     expect_survey(fine, vertices);
-    if (kind == 0 || kind == 9) {
-      EXPECT_TRUE(is_surveyed_as_divided(fine, vertices));
-    }
   }
 }
 
