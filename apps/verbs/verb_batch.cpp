@@ -206,18 +206,19 @@ std::uint64_t make_rows_of_verb(StructureSource& source, std::uint64_t most, con
                                 Monitor* monitor, const auto& on_row) {
   const BatchOptions one = options_of_one(options, monitor);
   if (options.batch.verb == BatchVerb::exact) return run_batch(source, most, one, on_row);
+  const auto threads = static_cast<std::size_t>(one.threads);
   if (options.batch.verb == BatchVerb::interface) {
-    const RowWork<InterfaceRow> work{[&](const NamedStructure& structure, std::size_t) {
-                                       return make_interface_row(structure, options, one);
-                                     },
-                                     on_row};
-    return make_rows(source, most, work, static_cast<std::size_t>(one.threads), monitor);
+    return make_rows<InterfaceRow>(
+        source, most, threads, monitor,
+        [&](const NamedStructure& structure) {
+          return make_interface_row(structure, options, one);
+        },
+        on_row);
   }
-  const RowWork<ReportRow> work{[&](const NamedStructure& structure, std::size_t) {
-                                  return make_report_row(structure, options, one);
-                                },
-                                on_row};
-  return make_rows(source, most, work, static_cast<std::size_t>(one.threads), monitor);
+  return make_rows<ReportRow>(
+      source, most, threads, monitor,
+      [&](const NamedStructure& structure) { return make_report_row(structure, options, one); },
+      on_row);
 }
 
 void skip(StructureSource& source, std::uint64_t count) {

@@ -4,6 +4,7 @@
 #include "batch/batch.hpp"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -142,13 +143,11 @@ BatchRow measure_structure(const NamedStructure& structure, const BatchOptions& 
 
 std::uint64_t run_batch(StructureSource& source, std::uint64_t most, const BatchOptions& options,
                         const std::function<void(const BatchRow&)>& on_row) {
-  const std::size_t workers = workers_for(options);
-  std::vector<WorkerSpace> spaces(workers);
-  const RowWork<BatchRow> work{[&](const NamedStructure& structure, std::size_t worker) {
-                                 return row_of(structure, options, spaces[worker]);
-                               },
-                               on_row};
-  return make_rows(source, most, work, workers, options.monitor);
+  tbb::enumerable_thread_specific<WorkerSpace> spaces;
+  return make_rows<BatchRow>(
+      source, most, workers_for(options), options.monitor,
+      [&](const NamedStructure& structure) { return row_of(structure, options, spaces.local()); },
+      on_row);
 }
 
 }  // namespace vdwmesh
