@@ -80,7 +80,7 @@ SurfaceOptions surface_options_of(const py::kwargs& given) {
   if (const auto lengths = value_of<std::vector<double>>(given, "edge_lengths")) {
     request.edge_lengths = *lengths;
   }
-  request.field.kind = named<FieldKind>(given, "field").value_or(FieldKind::vdw);
+  request.field = named<FieldKind>(given, "field").value_or(FieldKind::vdw);
   return settle(request);
 }
 

@@ -3,6 +3,8 @@
 // which things were said does not matter.
 #include "request/mesh_request.hpp"
 
+#include <utility>
+
 #include "creases/exact_mesher.hpp"
 #include "remesh/surface_remesher.hpp"
 #include "request/names.hpp"
@@ -10,15 +12,11 @@
 namespace vdwmesh {
 namespace {
 
-// An option that was said, by its name; empty where it was not.
-struct Said {
-  bool is_said;
-  std::string_view name;
-};
-
-std::string first_said(Door door, std::initializer_list<Said> options) {
-  for (const Said& option : options) {
-    if (option.is_said) return option_name(door, option.name);
+// Of options, each with whether it was said, the first one that was; empty where none was.
+std::string first_said(Door door,
+                       std::initializer_list<std::pair<bool, std::string_view>> options) {
+  for (const auto& [is_said, name] : options) {
+    if (is_said) return option_name(door, name);
   }
   return {};
 }
@@ -39,8 +37,8 @@ std::string option_of_grid(const MeshRequest& r) {
 // The option that asks for marching cubes without naming them: only they have a grid and fields
 // other than the union. Empty where none does.
 std::string option_of_marching_cubes(const MeshRequest& r) {
-  const std::string of_field = first_said(
-      r.door, {{r.field.kind != FieldKind::vdw, "field"}, {r.preset.has_value(), "preset"}});
+  const std::string of_field =
+      first_said(r.door, {{r.field != FieldKind::vdw, "field"}, {r.preset.has_value(), "preset"}});
   return of_field.empty() ? option_of_grid(r) : of_field;
 }
 
@@ -104,8 +102,8 @@ void check_exact(const MeshRequest& r) {
   const std::string asked = r.surface == SurfaceChoice::ses
                                 ? option_with(r.door, "surface", "ses")
                                 : option_with(r.door, "mesher", "exact");
-  refuse_if(r.field.kind != FieldKind::vdw, "{}: {} is of the spheres themselves, which is {}",
-            refused_option(r.door, "field", name_of(r.field.kind)), asked,
+  refuse_if(r.field != FieldKind::vdw, "{}: {} is of the spheres themselves, which is {}",
+            refused_option(r.door, "field", name_of(r.field)), asked,
             option_with(r.door, "field", "vdw"));
   const std::string of_grid = option_of_grid(r);
   refuse_if(!of_grid.empty(), "{}: {} has no grid; {} sets the size", of_grid, asked,
@@ -191,8 +189,7 @@ SurfaceOptions settle(const MeshRequest& r) {
   s.kind = surface_of(r.surface);
   if (s.kind == ExactSurface::excluded) check_excluded(r);
   check_density(r);
-  s.field = r.field;
-  s.field.preset = r.preset.value_or(FieldPreset::radius_aware);
+  s.field = {r.field, r.preset.value_or(FieldPreset::radius_aware), r.isovalue, r.blobbiness};
   check_field(s.field, r.door);
   settle_mesher(s, r);
   s.grading = r.grading, s.edge_lengths = r.edge_lengths, s.min_angle = r.min_angle;

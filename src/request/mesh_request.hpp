@@ -35,10 +35,11 @@ struct MeshRequest {
   std::optional<double> edge_length;    // Å
   std::optional<double> density;        // triangles per Å², of the excluded surface
   EdgeGrading grading;
-  std::vector<double> edge_lengths;        // Å, by atom
-  std::optional<double> min_angle;         // degrees
-  FieldOptions field;                      // but for its preset
-  std::optional<FieldPreset> preset;       // radius_aware, if none was said
+  std::vector<double> edge_lengths;  // Å, by atom
+  std::optional<double> min_angle;   // degrees
+  FieldKind field = FieldKind::vdw;
+  std::optional<FieldPreset> preset;  // radius_aware, if none was said
+  std::optional<double> isovalue, blobbiness;
   std::optional<double> spacing, padding;  // Å
   bool fixed_grid = false;                 // nodes at multiples of the spacing
   std::optional<int> subdivisions;
