@@ -32,39 +32,6 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 
-// Where points come from: find(i, p) writes point i to p, or returns false if there is none.
-struct SamplePoints {
-  SoupView mesh;
-  AreaView area;
-  AreaStrata strata;
-  __device__ bool find(std::uint64_t i, Vec3d& p) const {
-    p = area.point_at(mesh, strata.position(i));
-    return true;
-  }
-};
-struct CenterPoints {
-  SoupView mesh;
-  __device__ bool find(std::uint64_t i, Vec3d& p) const {
-    p = center_of(mesh(static_cast<std::uint32_t>(i)));
-    return true;
-  }
-};
-struct UsedVertices {
-  SoupView mesh;
-  const std::uint8_t* used;
-  __device__ bool find(std::uint64_t i, Vec3d& p) const {
-    p = mesh.positions[i];
-    return used[i] != 0;
-  }
-};
-struct GivenPoints {
-  const Vec3d* points;
-  __device__ bool find(std::uint64_t i, Vec3d& p) const {
-    p = points[i];
-    return true;
-  }
-};
-
 // What a search may take for granted of points.
 struct PointHints {
   double reach;       // Å, above 0: a guess; most points should have a gap below it
@@ -79,9 +46,7 @@ struct FoundGaps {
 };
 
 // The balls of a node of level 0, in shared memory, by their centres and radii.
-struct LeafBalls {
-  double rows[BoxNode::kWidth][4];
-};
+using LeafBalls = double[BoxNode::kWidth][4];
 static_assert(sizeof(Sphere) == 4 * sizeof(double) && BoxNode::kWidth * 4 == kWarp);
 
 // Loads the balls of the children `wanted`, a bit for each, by a lane for each number. Returns the
@@ -93,7 +58,7 @@ __device__ std::uint32_t load_balls(const PatchTreeView& surface, std::uint32_t 
   __syncwarp();  // the leaf before has been read
   if (wanted >> child & 1) {
     patch = surface.tree.order[BoxNode::kWidth * index + child];
-    leaf.rows[child][number] = reinterpret_cast<const double*>(surface.balls + patch)[number];
+    leaf[child][number] = reinterpret_cast<const double*>(surface.balls + patch)[number];
   }
   __syncwarp();
   return patch;
@@ -150,7 +115,7 @@ __device__ void find_least_gaps(const PatchTreeView& surface, const Vec3d& p, un
     for (; wanted != 0; wanted &= wanted - 1) {
       const int child = lowest_bit(wanted);
       const std::uint32_t patch = __shfl_sync(kAllLanes, patches, 4 * child);
-      const double(&row)[4] = memory.leaf.rows[child];
+      const double(&row)[4] = memory.leaf[child];
       const double gap = gap_of({{row[0], row[1], row[2]}, row[3]}, p);
       if (!(near >> child & 1) || !(gap < found.gap)) continue;
       found = {gap, patch};
@@ -160,8 +125,9 @@ __device__ void find_least_gaps(const PatchTreeView& surface, const Vec3d& p, un
   WarpSearch(surface.tree, memory.stack).visit_leaves(surface.tree.query(p), bound, visit);
 }
 
-// A thread for each point of [first, first + count); the points of a warp are searched for
-// together. Static shared memory: 2.4 KB for each warp.
+// points(i, p) writes point i to p, or returns false if there is none. A thread for each point of
+// [first, first + count); the points of a warp are searched for together. Static shared memory: 2.4
+// KB for each warp.
 template <class Points>
 __global__ void search_gaps(PatchTreeView surface, Points points, std::uint64_t first,
                             std::uint64_t count, double reach, FoundGaps found) {
@@ -170,7 +136,7 @@ __global__ void search_gaps(PatchTreeView surface, Points points, std::uint64_t 
   if (i / kWarp * kWarp >= count) return;  // the whole warp
   GapMemory& memory = memories[threadIdx.x / kWarp];
   Vec3d p = surface.tree.center;
-  const bool is_there = i < count && points.find(first + i, p);
+  const bool is_there = i < count && points(first + i, p);
   LeastGap nearest;
   unsigned open = __ballot_sync(kAllLanes, is_there);
   open = find_gaps_within(surface, p, reach, open, memory.room, nearest);
@@ -191,7 +157,7 @@ __global__ void search_patches(PatchTreeView surface, Points points, std::uint64
   if (k >= count) return;
   const std::uint32_t i = open[k];
   Vec3d p;
-  points.find(first + i, p);
+  points(first + i, p);
   const double square = found.gap[i] * found.gap[i];
   const double squared =
       nearest_exposed(surface, p, found.patch[i], square > floor ? square : floor);
@@ -289,8 +255,12 @@ DistanceStatistics mesh_to_surface(const SoupView& mesh, const PatchTreeView& su
   DeviceStatistics statistics(stream);
   // A mesh that follows the surface is mostly nearer to it than its triangles are long.
   const double reach = std::sqrt(area.total() / mesh.triangle_count);
-  measure_all(surface, SamplePoints{mesh, area.view(), strata}, strata.samples, {.reach = reach},
-              monitor, stream, [&](std::uint64_t, std::uint64_t count, const double* distances) {
+  const auto sample = [mesh, area = area.view(), strata] __device__(std::uint64_t i, Vec3d & p) {
+    p = area.point_at(mesh, strata.position(i));
+    return true;
+  };
+  measure_all(surface, sample, strata.samples, {.reach = reach}, monitor, stream,
+              [&](std::uint64_t, std::uint64_t count, const double* distances) {
                 statistics.add(distances, count,
                                EvenBlocks{count, static_cast<std::uint32_t>(kDistancesPerBlock)});
               });
@@ -301,11 +271,17 @@ DistanceStatistics mesh_to_surface(const SoupView& mesh, const PatchTreeView& su
   const auto add_extremes = [&](std::uint64_t, std::uint64_t count, const double* distances) {
     statistics.add_extremes(distances, count, 0);
   };
-  measure_all(surface, CenterPoints{mesh}, mesh.triangle_count, hints, monitor, stream,
-              add_extremes);
+  const auto center = [mesh] __device__(std::uint64_t i, Vec3d & p) {
+    p = center_of(mesh(static_cast<std::uint32_t>(i)));
+    return true;
+  };
+  measure_all(surface, center, mesh.triangle_count, hints, monitor, stream, add_extremes);
   const VertexMarks vertices = mark_vertices(mesh, stream);
-  measure_all(surface, UsedVertices{mesh, vertices.used.data()}, mesh.vertex_count, hints, monitor,
-              stream, add_extremes);
+  const auto vertex = [mesh, used = vertices.used.data()] __device__(std::uint64_t i, Vec3d & p) {
+    p = mesh.positions[i];
+    return used[i] != 0;
+  };
+  measure_all(surface, vertex, mesh.vertex_count, hints, monitor, stream, add_extremes);
   statistics.add_extremes(nullptr, 0, mesh.triangle_count + vertices.count);
   return statistics.result();
 }
@@ -315,7 +291,11 @@ void points_to_surface(std::span<const Vec3d> points, const PatchTreeView& surfa
   const DeviceArray<Vec3d> copy(points.size(), stream);
   upload_parts({{copy.data(), points.data(), copy.bytes()}}, stream);
   begin_stage(monitor, "signed distances (CUDA)", launches(points.size()));
-  measure_all(surface, GivenPoints{copy.data()}, points.size(), {.reach = 0.5}, monitor, stream,
+  const auto given = [from = copy.data()] __device__(std::uint64_t i, Vec3d & p) {
+    p = from[i];
+    return true;
+  };
+  measure_all(surface, given, points.size(), {.reach = 0.5}, monitor, stream,
               [&](std::uint64_t first, std::uint64_t count, const double* distances) {
                 download_parts({{found + first, distances, count * sizeof(double)}}, stream);
               });

@@ -85,14 +85,6 @@ __global__ void restore_marked(SurfaceView surface, GivenLevel level, MoveState*
 
 // ---- midpoints ----
 
-// Whether the midpoint of an edge is marked; a predicate for cub::DeviceSelect.
-struct IsToUndo {
-  const MoveState* move_states;
-  __host__ __device__ bool operator()(std::uint32_t edge) const {
-    return move_states[edge] == MoveState::to_undo;
-  }
-};
-
 // The edges of all `marked` marked midpoints, found by a search over all states. This is the
 // fallback if the list of MoveStatesView was too short for all of them.
 DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const MoveState* move_states,
@@ -100,11 +92,14 @@ DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const MoveS
   DeviceArray<std::uint32_t> list(marked, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
   const auto all = thrust::make_counting_iterator(std::uint32_t{0});
+  const auto is_to_undo = [move_states] __device__(std::uint32_t edge) -> bool {
+    return move_states[edge] == MoveState::to_undo;
+  };
   run_cub("list of marks", stream.get(), [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceSelect::If(
         scratch, bytes, all, list.data(), count.data(),
-        static_cast<std::int64_t>(level.mesh.vertices - level.parent.vertices),
-        IsToUndo{move_states}, stream.get());
+        static_cast<std::int64_t>(level.mesh.vertices - level.parent.vertices), is_to_undo,
+        stream.get());
   });
   return list;
 }

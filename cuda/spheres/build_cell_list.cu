@@ -132,17 +132,6 @@ struct OrderKey {
   double x;
   SphereId id;
 };
-struct CanonicalOrder {
-  const Sphere* spheres;
-
-  __device__ bool operator()(const OrderKey& a, const OrderKey& b) const {
-    if (a.x != b.x) return a.x < b.x;
-    const Sphere &s = spheres[a.id], &t = spheres[b.id];
-    if (s.center.y != t.center.y) return s.center.y < t.center.y;
-    if (s.center.z != t.center.z) return s.center.z < t.center.z;
-    return s.radius != t.radius ? s.radius < t.radius : a.id < b.id;
-  }
-};
 
 // A thread for each sphere, in the caller's order.
 __global__ void make_keys(ListedSpheres list, OrderKey* keys) {
@@ -176,9 +165,17 @@ __global__ void place_spheres(ListedSpheres list, const OrderKey* order, const R
 DeviceArray<OrderKey> canonical_keys(const ListedSpheres& list, const Stream& stream) {
   DeviceArray<OrderKey> keys(list.size, stream);
   launch("make_keys", make_keys, over(list.size, kThreads), stream, list, keys.data());
+  const auto comes_before = [spheres = list.spheres] __device__(const OrderKey& a,
+                                                                const OrderKey& b) -> bool {
+    if (a.x != b.x) return a.x < b.x;
+    const Sphere &s = spheres[a.id], &t = spheres[b.id];
+    if (s.center.y != t.center.y) return s.center.y < t.center.y;
+    if (s.center.z != t.center.z) return s.center.z < t.center.z;
+    return s.radius != t.radius ? s.radius < t.radius : a.id < b.id;
+  };
   run_cub("canonical order", stream, [&](void* scratch, std::size_t& bytes) {
-    return cub::DeviceMergeSort::SortKeys(scratch, bytes, keys.data(), list.size,
-                                          CanonicalOrder{list.spheres}, stream.get());
+    return cub::DeviceMergeSort::SortKeys(scratch, bytes, keys.data(), list.size, comes_before,
+                                          stream.get());
   });
   return keys;
 }

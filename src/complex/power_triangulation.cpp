@@ -17,11 +17,8 @@
 namespace vdwmesh {
 namespace {
 
-struct PlacedCell {
-  CellVertices vertices;
-  std::uint32_t place;  // in the list that it comes from
-  friend auto operator<=>(const PlacedCell&, const PlacedCell&) = default;
-};
+// The vertices of a cell, and its place in the list that it comes from.
+using PlacedCell = std::pair<CellVertices, std::uint32_t>;
 
 // Puts the cells in the order of their vertices, sorted by the lowest one first, so that cells near
 // in space are near in memory, and the order is that of any other list of the same cells.
@@ -35,13 +32,14 @@ void store_sorted(const RegularCells& cells, std::size_t vertices, PowerTriangul
   const std::span<const PlacedCell> entries = std::as_const(sorted).entries();
   Buffer<std::uint32_t> number(count);  // by place
   for_each_index(count,
-                 [&](std::size_t i) { number[entries[i].place] = static_cast<std::uint32_t>(i); });
+                 [&](std::size_t i) { number[entries[i].second] = static_cast<std::uint32_t>(i); });
   out.cells.resize(count);
   out.neighbors.resize(count);
   for_each_index(count, [&](std::size_t i) {
-    out.cells[i] = entries[i].vertices;
+    const auto& [vertices_of_cell, place] = entries[i];
+    out.cells[i] = vertices_of_cell;
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::uint32_t n = cells.neighbors[entries[i].place][k];
+      const std::uint32_t n = cells.neighbors[place][k];
       out.neighbors[i][k] = n == kNoIndex ? n : number[n];
     }
   });

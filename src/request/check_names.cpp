@@ -2,6 +2,7 @@
 // as one slip. And how options are written in refusals.
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "request/names.hpp"
 #include "request/refuse.hpp"
@@ -10,10 +11,7 @@ namespace vdwmesh {
 namespace {
 
 // What the field, or another program, calls something that has another name here.
-struct Synonym {
-  std::string_view given, here;
-};
-constexpr Synonym kSynonyms[] = {
+constexpr std::pair<std::string_view, std::string_view> kSynonyms[] = {
     {"connolly", "ses"}, {"msms", "ses"}, {"gpu", "cuda"}, {"mc", "marching-cubes"}};
 
 using Distances = std::vector<std::size_t>;
@@ -53,9 +51,9 @@ std::string list_names(std::span<const std::string_view> names) {
 }
 
 std::string suggestion(std::string_view given, std::span<const std::string_view> known) {
-  for (const Synonym& s : kSynonyms) {
-    const bool is_meant = s.given == given && std::ranges::find(known, s.here) != known.end();
-    if (is_meant) return fmt::format("; did you mean {}?", s.here);
+  for (const auto& [synonym, here] : kSynonyms) {
+    const bool is_meant = synonym == given && std::ranges::find(known, here) != known.end();
+    if (is_meant) return fmt::format("; did you mean {}?", here);
   }
   std::string_view closest;
   std::size_t least = letters(given) > 5 ? 3 : letters(given) > 1 ? 2 : 0;

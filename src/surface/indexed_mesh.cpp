@@ -10,43 +10,33 @@
 
 #include <span>
 
+#include "core/fnv.hpp"
 #include "core/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {
 
-// The 64-bit FNV-1a hash: for every byte, exclusive or, then multiplication by the FNV prime. The
-// initial value is the FNV offset basis.
-class Hash {
- public:
-  template <class T>
-  void add(std::span<const T> values) {
-    for (const std::byte b : std::as_bytes(values))
-      value_ = (value_ ^ static_cast<std::uint64_t>(b)) * 1099511628211ull;
-  }
-  std::uint64_t value() const { return value_; }
-
- private:
-  std::uint64_t value_ = 14695981039346656037ull;
-};
+// The hash of an array of bytes whose beginning had the hash `before`.
+template <class T, std::size_t extent>
+std::uint64_t hash_bytes(std::span<const T, extent> values, std::uint64_t before) {
+  return fnv1a({reinterpret_cast<const char*>(values.data()), values.size_bytes()}, before);
+}
 
 template <class T>
 std::uint64_t hash_bytes(const Buffer<T>& values) {
-  Hash hash;
-  hash.add(std::span<const T>(values));
-  return hash.value();
+  return hash_bytes(std::span<const T>(values), fnv1a({}));
 }
 
 // Hashes the label of every vertex as three sphere ids. VertexLabels may store one or three ids per
 // vertex (its LabelWidth), and labels[v] returns kNoSphere for ids that are not stored. Meshes with
 // equal labels thus have equal hashes, even if only one of them stores its unused ids.
 std::uint64_t hash_bytes(const VertexLabels& labels) {
-  Hash hash;
+  std::uint64_t hash = fnv1a({});
   for (std::size_t v = 0; v < labels.size(); ++v) {
     const VertexSpheres label = labels[v];
-    hash.add(std::span<const SphereId>(label));
+    hash = hash_bytes(std::span<const SphereId>(label), hash);
   }
-  return hash.value();
+  return hash;
 }
 
 template <class T>

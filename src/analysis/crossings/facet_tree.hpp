@@ -9,6 +9,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "analysis/survey/mesh_area.hpp"
@@ -97,23 +98,20 @@ inline std::uint32_t FacetTree::overlapping(const Node& node, const Box& box) {
 // and kWidth entries of each level.
 template <class Visit>
 void FacetTree::visit_nodes_from(std::size_t first, const Box& box, const Visit& visit) const {
-  struct NodeToVisit {
-    std::size_t level, index;
-  };
-  NodeToVisit stack[kMaxLevels * kWidth + 1];
+  std::pair<std::size_t, std::size_t> stack[kMaxLevels * kWidth + 1];  // levels and indices
   stack[0] = {levels_.size() - 1, 0};
   for (int size = 1; size > 0;) {
-    const NodeToVisit entry = stack[--size];
-    if (entry.level == 0) {
-      visit(entry.index);
+    const auto [level, index] = stack[--size];
+    if (level == 0) {
+      visit(index);
       continue;
     }
-    const std::size_t below = entry.level - 1;
+    const std::size_t below = level - 1;
     const std::size_t least = first >> (std::bit_width(kWidth) - 1) * below;
-    std::uint32_t children = overlapping(levels_[entry.level][entry.index], box);
+    std::uint32_t children = overlapping(levels_[level][index], box);
     for (; children != 0; children &= children - 1) {
       const std::size_t child =
-          kWidth * entry.index + static_cast<std::size_t>(std::countr_zero(children));
+          kWidth * index + static_cast<std::size_t>(std::countr_zero(children));
       if (child >= least) stack[size++] = {below, child};
     }
   }

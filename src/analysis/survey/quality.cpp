@@ -126,18 +126,6 @@ double place(double value, BinScale scale, double lower, double upper) {
   return std::log(value / lower) / std::log(upper / lower);
 }
 
-// The values of a set of triangles in brackets. add() is called by several threads at once.
-struct BracketedShapes {
-  BracketedValues angles, ratios;
-
-  void add(const MeshPart& part) {
-    visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
-      angles.add(shapes.min_angles_deg);
-      ratios.add(shapes.aspect_ratios);
-    });
-  }
-};
-
 // Adds the counts of `other` to `sum`. Precondition: both have the same bins.
 void add(Histogram& sum, const Histogram& other) {
   sum.below += other.below;
@@ -184,13 +172,16 @@ QualitySample sample_quality(const MeshPart& part, std::size_t step) {
 MeshQuality quality_of_triangles(const IndexedMesh& mesh, QualitySample sample) {
   MeshQuality result{};
   const auto fill = [&](const Brackets& of_angles, const Brackets& of_ratios) {
-    BracketedShapes shapes{BracketedValues(of_angles), BracketedValues(of_ratios)};
-    shapes.add(whole(mesh));
-    const auto angles = distribution_of(shapes.angles), ratios = distribution_of(shapes.ratios);
+    BracketedValues all_angles(of_angles), all_ratios(of_ratios);
+    visit_shapes(whole(mesh), [&](std::size_t, const TriangleShapes& shapes) {
+      all_angles.add(shapes.min_angles_deg);
+      all_ratios.add(shapes.aspect_ratios);
+    });
+    const auto angles = distribution_of(all_angles), ratios = distribution_of(all_ratios);
     if (!angles || !ratios) return false;
     result.min_angle_deg = *angles;
     result.aspect_ratio = *ratios;
-    result.degenerate_triangles = mesh.triangle_count() - shapes.ratios.summary().count;
+    result.degenerate_triangles = mesh.triangle_count() - all_ratios.summary().count;
     return true;
   };
   if (!fill(brackets_from_sample(std::move(sample.min_angles_deg)),

@@ -17,6 +17,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -33,10 +34,7 @@ struct FanCorner {
   std::uint32_t previous, next;
 };
 
-// The vertices at the ends of an edge.
-struct FoundEdge {
-  std::uint32_t smaller, larger;
-};
+using FoundEdge = std::array<std::uint32_t, 2>;  // the vertices at its ends, ascending
 
 // An end of a half-edge at a vertex: the vertex at its other end, and whether it comes from there.
 struct EdgeEnd {
@@ -100,7 +98,7 @@ bool is_closed_fan(std::uint32_t v, std::span<FanCorner> corners) {
 VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, std::span<const FoundEdge> edges,
                                        double* lengths) {
   for (std::size_t e = 0; e < edges.size(); ++e)
-    lengths[e] = norm(mesh.positions[edges[e].larger] - mesh.positions[edges[e].smaller]);
+    lengths[e] = norm(mesh.positions[edges[e][1]] - mesh.positions[edges[e][0]]);
 }
 
 // Surveys one range of vertices after another. Each thread has one.

@@ -25,6 +25,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/lanes/multiversion.hpp"
@@ -47,24 +48,20 @@ VDWMESH_MULTIVERSION void split_for_area(const PatchBoundary& boundary, double a
   double error = -flat;
   for (const BoundaryPiece& piece : boundary.pieces) error += lens_area(boundary, piece);
   if (std::abs(error) <= most) return;
-  struct Lens {
-    double area;
-    std::uint32_t piece;
-  };
-  std::vector<Lens> lenses;  // those to blame
+  std::vector<std::pair<double, std::uint32_t>> lenses;  // areas and pieces of those to blame
   for (std::uint32_t p = 0; p < boundary.pieces.size(); ++p) {
     const double lens = std::copysign(1, error) * lens_area(boundary, boundary.pieces[p]);
     if (lens > 0) lenses.push_back({lens, p});
   }
-  std::ranges::sort(lenses, [](const Lens& a, const Lens& b) { return a.area > b.area; });
+  std::ranges::sort(lenses, [](const auto& a, const auto& b) { return a.first > b.first; });
   constexpr double kTie = 1e-6;
   double left = std::abs(error), last = 0;
-  for (const Lens& lens : lenses) {
-    if (lens.area < lenses.front().area / 8) break;
-    if (left <= most && lens.area < (1 - kTie) * last) break;
-    splits.push_back({boundary.pieces[lens.piece].source, 1});
-    left -= 0.75 * lens.area;
-    last = lens.area;
+  for (const auto& [area, piece] : lenses) {
+    if (area < lenses.front().first / 8) break;
+    if (left <= most && area < (1 - kTie) * last) break;
+    splits.push_back({boundary.pieces[piece].source, 1});
+    left -= 0.75 * area;
+    last = area;
   }
 }
 

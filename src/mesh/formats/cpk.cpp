@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -20,14 +21,9 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 
-struct ElementColor {
-  std::string_view element;  // in capitals
-  Color color;
-};
-
 // The colours of Corey, Pauling and Koltun's models as Jmol extends them to the elements met in
-// structures of macromolecules (jmol.sourceforge.net/jscolors).
-const ElementColor kColors[] = {
+// structures of macromolecules (jmol.sourceforge.net/jscolors). Elements are in capitals.
+const std::pair<std::string_view, Color> kColors[] = {
     {"H", {255, 255, 255}},  {"D", {255, 255, 192}},  {"C", {144, 144, 144}},
     {"N", {48, 80, 248}},    {"O", {255, 13, 13}},    {"F", {144, 224, 80}},
     {"NA", {171, 92, 242}},  {"MG", {138, 255, 0}},   {"SI", {240, 200, 160}},
@@ -58,8 +54,8 @@ const Color kOther{255, 20, 147};  // all other elements
 
 Color element_color(std::string_view element) {
   const std::string upper = upper_case(element);
-  for (const ElementColor& entry : kColors)
-    if (entry.element == upper) return entry.color;
+  for (const auto& [known, color] : kColors)
+    if (known == upper) return color;
   return kOther;
 }
 

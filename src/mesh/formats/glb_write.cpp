@@ -17,6 +17,7 @@
 #include "mesh/formats/chunk_writer.hpp"
 #include "mesh/formats/float_loss.hpp"
 #include "mesh/formats/formats.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh::formats {
 namespace {
@@ -36,21 +37,11 @@ constexpr std::uint64_t kVectorSize = 12, kColorSize = 8, kTriangleSize = 12;
 // An upper bound of the JSON, with the headers. Its length depends on the mesh by few numbers only.
 constexpr std::uint64_t kMaxJsonBytes = 4096;
 
-struct Box3 {
-  Vec3d lower, upper;
-  Vec3d middle() const { return lower + 0.5 * (upper - lower); }
-};
-
 // The bounding box of all vertices; a mesh without any has a box at the origin.
-Box3 box_of(const IndexedMesh& mesh) {
+Box box_of(const IndexedMesh& mesh) {
   if (mesh.vertex_count() == 0) return {{0, 0, 0}, {0, 0, 0}};
-  constexpr double kHuge = std::numeric_limits<double>::max();
-  Box3 box{{kHuge, kHuge, kHuge}, {-kHuge, -kHuge, -kHuge}};
-  for (const Vec3d& p : mesh.positions)
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lower[axis] = std::min(box.lower[axis], p[axis]);
-      box.upper[axis] = std::max(box.upper[axis], p[axis]);
-    }
+  Box box = empty_box();
+  for (const Vec3d& p : mesh.positions) include(box, p);
   return box;
 }
 
@@ -75,7 +66,7 @@ Json as_json(const Vec3<T>& v) {
 
 // Adds the four arrays to the JSON, each as a buffer view and an accessor, in the order in which
 // write_arrays() writes them, and the mesh that uses them.
-void describe_arrays(const IndexedMesh& mesh, const Box3& box, Json& json) {
+void describe_arrays(const IndexedMesh& mesh, const Box& box, Json& json) {
   const std::uint64_t vertices = mesh.vertex_count(), faces = mesh.triangle_count();
   std::uint64_t offset = 0;
   // `offset` is where the next array begins in the binary chunk; 0 is the default and not written.
@@ -89,7 +80,7 @@ void describe_arrays(const IndexedMesh& mesh, const Box3& box, Json& json) {
   };
   // glTF demands the exact bounds of the stored positions. Subtracting the middle and rounding are
   // monotone, so the rounded corners of the box are the bounds of the rounded vertices.
-  const auto rounded = [&](const Vec3d& p) { return as_json(cast<float>(p - box.middle())); };
+  const auto rounded = [&](const Vec3d& p) { return as_json(cast<float>(p - middle(box))); };
   add(kVectorSize * vertices, kArrayBuffer,
       {{"componentType", kFloat},
        {"count", vertices},
@@ -117,11 +108,11 @@ void describe_arrays(const IndexedMesh& mesh, const Box3& box, Json& json) {
 }
 
 // The JSON chunk. It is padded with blanks to a multiple of 4 bytes, as the format demands.
-std::string json_of(const IndexedMesh& mesh, const Box3& box) {
+std::string json_of(const IndexedMesh& mesh, const Box& box) {
   Json json{{"asset", {{"version", "2.0"}, {"generator", "vdwmesh; lengths in angstrom"}}},
             {"scene", 0},
             {"scenes", {{{"nodes", {0}}}}},
-            {"nodes", {{{"translation", as_json(box.middle())}}}}};
+            {"nodes", {{{"translation", as_json(middle(box))}}}}};
   if (mesh.triangle_count() > 0) {  // glTF has no empty buffers
     describe_arrays(mesh, box, json);
     json["nodes"][0]["mesh"] = 0;
@@ -188,13 +179,13 @@ void write_arrays(const MeshView& view, const Vec3d& origin, ChunkWriter& out, W
 void write_glb(const MeshView& view, ByteSink& sink, Warnings& warnings) {
   const IndexedMesh& mesh = view.mesh;
   check_size(mesh);
-  const Box3 box = box_of(mesh);
+  const Box box = box_of(mesh);
   const std::string json = json_of(mesh, box);
   const std::uint64_t binary = mesh.triangle_count() > 0 ? binary_size(mesh) : 0;
   sink.expect(kHeaderSize + 2 * kChunkHeaderSize + json.size() + binary);
   ChunkWriter out(sink);
   write_header(json, binary, out);
-  if (binary > 0) write_arrays(view, box.middle(), out, warnings);
+  if (binary > 0) write_arrays(view, middle(box), out, warnings);
   out.flush();
 }
 

@@ -14,6 +14,7 @@
 #include <charconv>
 #include <cstddef>
 #include <cstring>
+#include <string_view>
 
 #include "core/buffer.hpp"
 #include "mesh/formats/output_file.hpp"
@@ -60,10 +61,6 @@ void write_records(ByteSink& sink, std::size_t count, std::size_t most_bytes,
   const std::size_t buffer_bytes = per_block * most_bytes;
   Buffer<char> memory(std::min(buffers, blocks) * buffer_bytes);
 
-  struct FormattedBlock {
-    const char* bytes;
-    std::size_t size;
-  };
   std::size_t next = 0;
   const auto deal = [&](tbb::flow_control& control) {
     if (next == blocks) control.stop();
@@ -74,16 +71,16 @@ void write_records(ByteSink& sink, std::size_t count, std::size_t most_bytes,
     RecordBytes out(bytes);
     const std::size_t end = std::min(count, (block + 1) * per_block);
     for (std::size_t i = block * per_block; i < end; ++i) format(out, i);
-    return FormattedBlock{bytes, static_cast<std::size_t>(out.end() - bytes)};
+    return std::string_view(bytes, static_cast<std::size_t>(out.end() - bytes));
   };
-  const auto write = [&](const FormattedBlock& block) { sink.write(block.bytes, block.size); };
+  const auto write = [&](std::string_view block) { sink.write(block.data(), block.size()); };
   // Isolated: while this thread waits, it takes no other work, which could be long.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_pipeline(
         buffers,
         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, deal) &
-            tbb::make_filter<std::size_t, FormattedBlock>(tbb::filter_mode::parallel, make) &
-            tbb::make_filter<FormattedBlock, void>(tbb::filter_mode::serial_in_order, write));
+            tbb::make_filter<std::size_t, std::string_view>(tbb::filter_mode::parallel, make) &
+            tbb::make_filter<std::string_view, void>(tbb::filter_mode::serial_in_order, write));
   });
 }
 
