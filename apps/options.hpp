@@ -2,6 +2,7 @@
 // these structs and know nothing of how they were typed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -67,6 +68,13 @@ struct BatchChoice {
 };
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
+// What `pockets` answers in place of its table; one of them at most.
+struct PocketQuery {
+  std::optional<std::array<double, 2>> scan;  // Å: the smallest and the largest probe
+  std::optional<double> shell;                // Å: the larger of two probes
+  std::string from;                           // an atom, a place or a pocket
+};
+
 struct OutputOptions {
   std::string json, per_atom, voids, csv, gradient, depth;
   AtomGroup group = AtomGroup::atom;

@@ -24,6 +24,7 @@ struct Options {
   MachineOptions machine;
   PictureOptions picture;
   OutputOptions output;
+  PocketQuery pocket_query;
   StudyOptions study;
   BatchChoice batch;
 };

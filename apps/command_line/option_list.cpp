@@ -66,6 +66,17 @@ Shard parse_shard(std::string_view option, const std::string& text) {
   return shard;
 }
 
+// "0.8:3.0"
+Reader probe_range(std::optional<std::array<double, 2>>& range) {
+  const auto read = [&range](std::string_view option, const std::string& text) {
+    const std::size_t colon = text.find(':');
+    refuse_if(colon == text.npos, "{} {}: needs LO:HI, for example 0.8:3.0", option, text);
+    range = {parse_number(option, text.substr(0, colon), Range::finite, "0.8"),
+             parse_number(option, text.substr(colon + 1), Range::finite, "3.0")};
+  };
+  return {"LO:HI", "", read, Use::none, Times::once};
+}
+
 // A value of pictures that fills more than one field.
 using ReadPicture = void (*)(std::string_view, const std::string&, PictureOptions&);
 Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_value,
@@ -386,6 +397,14 @@ std::vector<Option> output_options(Draft& d) {
        "table of the pockets: .csv; - is standard output", no_default(), "--csv"},
       {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the same as -o",
        no_default(), "-o"},
+      {"--scan", kPockets, probe_range(o.pocket_query.scan),
+       "the places for probes of LO to HI Å, and at which radii they join, in place of the pockets",
+       no_default(), "--shell"},
+      {"--shell", kPockets, one(o.pocket_query.shell, number("Å", Range::positive, "4")),
+       "the room for the probe, but not for a larger one of this radius", no_default(), "--from"},
+      {"--from", kPockets, one(o.pocket_query.from, text("PLACE")),
+       "the widest way out from an atom, such as \"A/HIS 57/NE2\", X,Y,Z or pocket:1", no_default(),
+       "--scan"},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
        "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"},
       {"--depth", kExact, one(o.output.depth, text("FILE"), Use::writes),
@@ -410,7 +429,8 @@ constexpr std::string_view kUnseen[] = {
     "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
     "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
     "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
-    "--edge-lengths", "--relative-edge", "--padding",    "--project"};
+    "--edge-lengths", "--relative-edge", "--padding",    "--project",    "--scan",
+    "--shell",        "--from"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

@@ -13,13 +13,6 @@
 namespace vdwmesh::apps {
 namespace {
 
-// "4HHB" of "folder/4HHB.cif.gz".
-std::string set_name(const std::string& path) {
-  std::filesystem::path name = std::filesystem::path(path).filename();
-  if (name.extension() == ".gz") name = name.stem();
-  return name.stem().string();
-}
-
 Cells cells_of(const PocketRow& row) {
   Cells cells(csv_number);
   describe(cells, row);
@@ -31,6 +24,12 @@ std::uint64_t count_of(const PocketReport& report, PocketKind kind) {
 }
 
 }  // namespace
+
+std::string set_name(const std::string& path) {
+  std::filesystem::path name = std::filesystem::path(path).filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
 
 PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe) {
   PocketReport report{{}, table.empty_tetrahedra, table.face_ties, table.cell_ties};
@@ -68,21 +67,23 @@ std::string pocket_text(const PocketReport& report) {
                    count_of(report, PocketKind::channel), count_of(report, PocketKind::enclosed),
                    report.face_ties));
   if (report.pockets.empty()) return text;
-  fmt::format_to(out, "\n{:>6}  {:<8}{:>12}{:>12}{:>8}{:>12}{:>8}{:>8}{:>7}  {}\n", "", "kind",
-                 "volume Å³", "area Å²", "mouths", "open Å²", "fits Å", "exit Å", "atoms",
-                 "deepest place");
+  fmt::format_to(out, "\n{:>6}  {:<8}{:>12}{:>12}{:>8}{:>12}{:>8}{:>8}{:>10}{:>7}  {}\n", "",
+                 "kind", "volume Å³", "area Å²", "mouths", "open Å²", "fits Å", "exit Å",
+                 "margin Å", "atoms", "deepest place");
   for (const PocketRow& p : report.pockets) {
     if (p.rank > kShown) break;
     const auto radius = [&](std::optional<double> clearance) {
       return clearance ? fmt::format("{:.3f}", *clearance + p.probe) : "–";
     };
-    fmt::format_to(out,
-                   "{:>6}  {:<8}{:>12.3f}{:>12.3f}{:>8}{:>12.3f}{:>8}{:>8}{:>7}  {:.2f} {:.2f} "
-                   "{:.2f}\n",
-                   p.rank, kind_name(p.kind), p.volume, p.area, p.mouths.size(),
-                   sum_over_mouths(p, &Mouth::area), radius(p.clearance),
-                   radius(p.bottleneck_clearance), p.spheres, p.clear_place.x, p.clear_place.y,
-                   p.clear_place.z);
+    const auto margin = probe_margin(p);
+    fmt::format_to(
+        out,
+        "{:>6}  {:<8}{:>12.3f}{:>12.3f}{:>8}{:>12.3f}{:>8}{:>8}{:>10}{:>7}  {:.2f} {:.2f} "
+        "{:.2f}\n",
+        p.rank, kind_name(p.kind), p.volume, p.area, p.mouths.size(),
+        sum_over_mouths(p, &Mouth::area), radius(p.clearance), radius(p.bottleneck_clearance),
+        margin ? fmt::format("{:.4f}", *margin) : "–", p.spheres, p.clear_place.x, p.clear_place.y,
+        p.clear_place.z);
   }
   if (report.pockets.size() > kShown) {
     fmt::format_to(out, "{:>6}  {} more; -o FILE.csv has all\n", "",

@@ -27,6 +27,9 @@ struct PocketReport {
 
 PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe);
 
+// "4HHB" of "folder/4HHB.cif.gz".
+std::string set_name(const std::string& path);
+
 std::string pocket_text(const PocketReport& report);
 // One row per pocket, the largest first.
 std::string pocket_csv(const PocketReport& report);
@@ -62,6 +65,7 @@ void describe(A& a, const PocketRow& p) {
   a("depth_alpha", p.depth_alpha), a("depth_probe", grown(p.clearance));
   a("depth_radius", p.clearance), a("bottleneck_alpha", p.bottleneck_alpha);
   a("bottleneck_radius", grown(p.bottleneck_clearance));
+  a("margin", probe_margin(p));
   a("depth_x", p.clear_place.x), a("depth_y", p.clear_place.y), a("depth_z", p.clear_place.z);
   // Room of the excluded surface, by pocket, is not computed.
   a("ms_volume", std::optional<double>()), a("ms_area", std::optional<double>());

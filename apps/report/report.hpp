@@ -22,6 +22,7 @@
 #include "remesh/surface_remesher.hpp"
 #include "render/color_scale.hpp"
 #include "report/pocket_report.hpp"
+#include "report/scan_report.hpp"
 #include "steps/stopwatch.hpp"
 #include "structure/molecule.hpp"
 
@@ -180,6 +181,9 @@ struct Report {
   std::optional<ComparisonReport> comparison;
   std::optional<PictureReport> picture;
   std::optional<PocketReport> pockets;
+  std::optional<ScanReport> scan;
+  std::optional<ShellReport> shell;
+  std::optional<WayReport> way;
   Timing timing;
   std::vector<std::string> notes;     // for people: what was chosen or left out
   std::vector<std::string> warnings;  // for people: what may be wrong with the result

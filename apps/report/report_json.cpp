@@ -89,6 +89,9 @@ std::string to_json(const Report& report) {
   json("comparison", report.comparison);
   json("picture", report.picture);
   json("pockets", report.pockets);
+  if (report.scan) json("scan", *report.scan);
+  if (report.shell) json("shell", *report.shell);
+  if (report.way) json("way", *report.way);
   json("timing", report.timing);
   json("notes", report.notes), json("warnings", report.warnings);
   return std::move(json).take();

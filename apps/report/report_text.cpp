@@ -416,9 +416,13 @@ std::string to_text(const Report& report) {
   if (report.exact) measured_text(out, report.input);
   if (report.excluded) excluded_text(out, *report.excluded);
   if (report.pockets) text += pocket_text(*report.pockets);
+  if (report.scan) text += scan_text(*report.scan);
+  if (report.shell) text += shell_text(*report.shell);
+  if (report.way) text += way_text(*report.way);
   if (report.interfaces) {
     interfaces_text(out, *report.interfaces);
-  } else if (!(report.excluded || report.pockets) || report.mesh) {
+  } else if (!(report.excluded || report.pockets || report.scan || report.shell || report.way) ||
+             report.mesh) {
     table_text(out, report);
   }
   if (report.mesh) mesh_text(out, *report.mesh);

@@ -1,34 +1,134 @@
 // `vdwmesh pockets`: pockets, channels and voids, exactly. The balls are the atoms grown by the
-// probe, so a pocket is where the centre of the probe can be.
+// probe, so a pocket is where the centre of the probe can be. --scan, --shell and --from ask other
+// questions of the same room, in place of the table.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "batch/molecule_spheres.hpp"
 #include "command_line/command_line.hpp"
+#include "command_line/parse.hpp"
+#include "excluded/excluded_measures.hpp"
 #include "memory_plan.hpp"
+#include "report/atom_names.hpp"
 #include "report/output.hpp"
+#include "request/refuse.hpp"
 #include "steps/exact_steps.hpp"
 #include "steps/steps.hpp"
 #include "verbs/verbs.hpp"
 
 namespace vdwmesh::apps {
+namespace {
 
-void run_pockets(const Options& options) {
-  VerbSession session(options.machine);
-  const InputOptions& input = options.inputs.front();
-  const auto [molecule, spheres] = load(input, session);
-  MemoryDemand demand;
-  demand.exact = UnionMethod::cgal;
-  check_memory_before(demand, spheres, options.machine.memory_limit);
-  session.end_stage(&Timing::plan);
-  begin_stage(session.monitor, "pockets", 1);
+std::string run_table(const Options& options, const Molecule& molecule, const SphereSet& spheres,
+                      VerbSession& session) {
   const PocketTable table =
       pockets(spheres, {.monitor = session.monitor, .memory_limit = options.machine.memory_limit});
-  session.report.pockets = pocket_report(table, molecule, input.probe);
+  session.report.pockets = pocket_report(table, molecule, options.inputs.front().probe);
   session.report.warn_if(
       table.face_ties > 0,
       "{} orthogonal centres lie exactly in a face: the pockets depend on how such ties are "
       "broken; move the atoms a little to see how much",
       table.face_ties);
+  return pocket_csv(*session.report.pockets);
+}
+
+std::string run_scan(const Options& options, const Molecule& molecule, VerbSession& session) {
+  const auto [lowest, highest] = *options.pocket_query.scan;
+  const ProbeScan scan = probe_scan(to_spheres(molecule, 0), lowest, highest, session.monitor,
+                                    options.machine.memory_limit);
+  session.report.scan = scan_report(scan, lowest, highest, molecule);
+  session.report.warn_if(!scan.is_complete,
+                         "places do not explain the number of voids at every radius: atoms lie as "
+                         "in a crystal; move them a little to see how much");
+  return scan_csv(*session.report.scan);
+}
+
+std::string run_shell(const Options& options, const Molecule& molecule, VerbSession& session) {
+  const SphereSet atoms = to_spheres(molecule, 0);
+  const double small = options.inputs.front().probe, large = *options.pocket_query.shell;
+  const auto measures = [&](double probe) {
+    return excluded_measures(
+        atoms, {.probe = probe, .shells = false, .exterior = true, .monitor = session.monitor});
+  };
+  const ExcludedMeasures inner = measures(small), outer = measures(large);
+  session.report.shell = ShellReport{.set = set_name(molecule.path),
+                                     .small_probe = small,
+                                     .large_probe = large,
+                                     .complete_small = inner.complete.volume,
+                                     .exterior_small = inner.exterior->volume,
+                                     .complete_large = outer.complete.volume,
+                                     .exterior_large = outer.exterior->volume};
+  return shell_csv(*session.report.shell);
+}
+
+// "A/57/NE2" of "A/HIS 57/NE2", as tables name atoms.
+std::string plain_name(std::string name) {
+  const std::size_t slash = name.find('/'), blank = name.find(' ');
+  if (slash < blank && blank != name.npos) name.erase(slash + 1, blank - slash);
+  return name;
+}
+
+// X,Y,Z; pocket:N, a row of the table; or an atom.
+Vec3d start_of(const Options& options, const Molecule& molecule, const SphereSet& atoms,
+               VerbSession& session) {
+  const std::string& from = options.pocket_query.from;
+  if (std::ranges::count(from, ',') == 2) {
+    std::istringstream parts(from);
+    std::array<double, 3> x{};
+    for (double& value : x) {
+      std::string part;
+      std::getline(parts, part, ',');
+      value = parse_number("--from", part, Range::finite, "1.5");
+    }
+    return {x[0], x[1], x[2]};
+  }
+  constexpr std::string_view kPocket = "pocket:";
+  if (from.starts_with(kPocket)) {
+    const auto found =
+        pockets(to_spheres(molecule, options.inputs.front().probe), {.monitor = session.monitor})
+            .pockets;
+    refuse_if(found.empty(), "--from {}: there are no pockets", from);
+    const auto rank = parse_integer("--from", from.substr(kPocket.size()), 1,
+                                    static_cast<std::int64_t>(found.size()));
+    return found[static_cast<std::size_t>(rank - 1)].clear_place;
+  }
+  const std::string wanted = plain_name(from);
+  for (std::size_t i = 0; i < molecule.atoms.size(); ++i) {
+    const auto id = static_cast<SphereId>(i);
+    if (name_of_atom(molecule, id) == wanted) return place_beside(atoms, id);
+  }
+  refuse("--from {}: no atom has that name; write \"A/HIS 57/NE2\", X,Y,Z or pocket:1", from);
+}
+
+std::string run_way(const Options& options, const Molecule& molecule, VerbSession& session) {
+  const SphereSet atoms = to_spheres(molecule, 0);
+  const Vec3d from = start_of(options, molecule, atoms, session);
+  const WayOut way =
+      way_out(atoms, from, kOutsideProbe, session.monitor, options.machine.memory_limit);
+  session.report.way = way_report(way, options.pocket_query.from, molecule);
+  return way_csv(*session.report.way);
+}
+
+}  // namespace
+
+void run_pockets(const Options& options) {
+  VerbSession session(options.machine);
+  const auto [molecule, spheres] = load(options.inputs.front(), session);
+  MemoryDemand demand;
+  demand.exact = UnionMethod::cgal;
+  check_memory_before(demand, spheres, options.machine.memory_limit);
+  session.end_stage(&Timing::plan);
+  begin_stage(session.monitor, "pockets", 1);
+  const PocketQuery& query = options.pocket_query;
+  const std::string table = query.scan            ? run_scan(options, molecule, session)
+                            : query.shell         ? run_shell(options, molecule, session)
+                            : !query.from.empty() ? run_way(options, molecule, session)
+                                                  : run_table(options, molecule, spheres, session);
   session.end_stage(&Timing::exact);
   session.end_progress();
-  write_output(options.output.csv, pocket_csv(*session.report.pockets));
+  write_output(options.output.csv, table);
   session.end_stage(&Timing::write);
   session.deliver_report(options.output);
 }

@@ -51,7 +51,8 @@ py::dict dict_of(const Pocket& p, double probe, PocketMeasures measures) {
       "lining_areas"_a = py::tuple(areas), "atoms"_a = p.spheres, "tetrahedra"_a = p.tetrahedra,
       "sinks"_a = p.sinks, "depth_alpha"_a = p.depth_alpha,
       "bottleneck_alpha"_a = p.bottleneck_alpha, "center"_a = place_of(p.clear_place),
-      "depth_probe"_a = grown(p.clearance), "bottleneck_radius"_a = grown(p.bottleneck_clearance));
+      "depth_probe"_a = grown(p.clearance), "bottleneck_radius"_a = grown(p.bottleneck_clearance),
+      "margin"_a = probe_margin(p));
 }
 
 PocketMeasures measures_of(bool exact) {

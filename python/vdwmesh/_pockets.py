@@ -63,6 +63,8 @@ class Pocket:
         Å: where the largest probe fits.
     depth_probe, bottleneck_radius : float or None
         Å: the radius of that probe, and of the largest that can leave; None if an atom would vanish.
+    margin : float or None
+        Å: the least change of the probe that opens a void, closes a way out, or loses the place.
     """
 
     kind: str
@@ -81,6 +83,7 @@ class Pocket:
     center: tuple[float, float, float]
     depth_probe: float | None
     bottleneck_radius: float | None
+    margin: float | None
 
 
 def pockets(

@@ -111,6 +111,39 @@ std::array<double, 4> best_step(const std::vector<Sphere>& balls, const Vec3d& p
   return greatest(constraints, basis);
 }
 
+// The balls near a place that moves: it looks through a pool, which is gathered anew when the place
+// has come too far for it.
+class BallPool {
+ public:
+  BallPool(const std::vector<Sphere>& balls, double slack) : balls_(balls), slack_(slack) {}
+
+  // The balls whose spheres are no farther than `gap`, in their order.
+  std::vector<Sphere> within(const Vec3d& place, double gap) {
+    if (pool_.empty() || gap + norm(place - middle_) > reach_) {
+      middle_ = place;
+      reach_ = gap + slack_;
+      pool_ = chosen(balls_, middle_, reach_);
+    }
+    return chosen(pool_, place, gap);
+  }
+
+ private:
+  static std::vector<Sphere> chosen(const std::vector<Sphere>& from, const Vec3d& place,
+                                    double gap) {
+    std::vector<Sphere> near;
+    for (const Sphere& b : from) {
+      if (norm(place - b.center) - b.radius <= gap) near.push_back(b);
+    }
+    return near;
+  }
+
+  const std::vector<Sphere>& balls_;
+  const double slack_;
+  std::vector<Sphere> pool_;  // those whose spheres are no farther than `reach_` from `middle_`
+  Vec3d middle_{};
+  double reach_ = 0;
+};
+
 }  // namespace
 
 double clearance_at(const std::vector<Sphere>& balls, const Vec3d& place) {
@@ -119,7 +152,8 @@ double clearance_at(const std::vector<Sphere>& balls, const Vec3d& place) {
   return least;
 }
 
-std::optional<ClearPlace> climb_clearance(const std::vector<Sphere>& balls, const Vec3d& start) {
+std::optional<ClearPlace> climb_clearance(const std::vector<Sphere>& balls, const Vec3d& start,
+                                          double ceiling, std::vector<ClearPlace>* trail) {
   // Of the largest radius: small, because a long step may reach another summit over a pass.
   constexpr double kCube = 0.02;
   constexpr double kConverged = 1e-14;
@@ -127,15 +161,15 @@ std::optional<ClearPlace> climb_clearance(const std::vector<Sphere>& balls, cons
   double largest = 0;
   for (const Sphere& b : balls) largest = std::max(largest, b.radius);
   const double cube = kCube * largest;
+  BallPool pool(balls, largest);
   ClearPlace at{start, clearance_at(balls, start)};
   for (int i = 0; i < kMostSteps; ++i) {
+    if (trail) trail->push_back(at);
+    if (at.clearance >= ceiling) return at;
     // No ball farther than this is nearer after the step than what is nearest now: both its
     // distance and the clearance change by at most the cube's half diagonal.
     const double reach = at.clearance + 2 * std::sqrt(3.0) * cube;
-    std::vector<Sphere> near;
-    for (const Sphere& b : balls) {
-      if (norm(at.place - b.center) - b.radius <= reach) near.push_back(b);
-    }
+    const std::vector<Sphere> near = pool.within(at.place, reach);
     const std::array<double, 4> found = best_step(near, at.place, cube);
     const Vec3d step{found[0], found[1], found[2]};
     const ClearPlace next{at.place + step, clearance_at(near, at.place + step)};
@@ -148,7 +182,7 @@ std::optional<ClearPlace> climb_clearance(const std::vector<Sphere>& balls, cons
 // In the plane, with the first centre as origin, e and f along and across the edge to the second:
 // the differences of |x - c_i| = q + R_i squared are linear, so x = p + q v, and the first equation
 // is a quadratic one for q.
-std::optional<double> gate_clearance(const std::array<Sphere, 3>& balls) {
+std::optional<ClearPlace> gate_place(const std::array<Sphere, 3>& balls) {
   const Vec3d ab = balls[1].center - balls[0].center, ac = balls[2].center - balls[0].center;
   const double length = norm(ab);
   const Vec3d e = 1 / length * ab;
@@ -172,7 +206,9 @@ std::optional<double> gate_clearance(const std::array<Sphere, 3>& balls) {
   for (const double q : {half / a, c / half}) {
     if (std::isfinite(q) && q >= least && (!best || q < *best)) best = q;
   }
-  return best;
+  if (!best) return std::nullopt;
+  const Vec3d f = 1 / cy * across;
+  return ClearPlace{balls[0].center + (px + *best * vx) * e + (py + *best * vy) * f, *best};
 }
 
 }  // namespace vdwmesh

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -19,12 +20,15 @@ struct ClearPlace {
 };
 
 // The local maximum of the clearance to which it rises from `start`, on a way on which it never
-// falls; nothing if it rises without end.
-std::optional<ClearPlace> climb_clearance(const std::vector<Sphere>& balls, const Vec3d& start);
+// falls, or the first place on that way where it reaches the ceiling; nothing if it rises without
+// end. `trail`, if given, gets the places of the way, from the start to the end.
+std::optional<ClearPlace> climb_clearance(const std::vector<Sphere>& balls, const Vec3d& start,
+                                          double ceiling = std::numeric_limits<double>::infinity(),
+                                          std::vector<ClearPlace>* trail = nullptr);
 
-// The radius of the circle in the plane of three centres that touches the three balls from outside:
-// the widest probe that passes between them, as far as other balls let it. Negative if a probe
-// passes only when the balls shrink. Nothing if there is no such circle.
-std::optional<double> gate_clearance(const std::array<Sphere, 3>& balls);
+// The centre and the radius of the circle in the plane of three centres that touches the three
+// balls from outside: the widest probe that passes between them, as far as other balls let it.
+// Negative if a probe passes only when the balls shrink. Nothing if there is no such circle.
+std::optional<ClearPlace> gate_place(const std::array<Sphere, 3>& balls);
 
 }  // namespace vdwmesh

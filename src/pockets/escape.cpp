@@ -186,7 +186,8 @@ class EscapeFinder {
   double width_of(const Gate& gate, const Search& s) const {
     if (gate[0] == kNoIndex) return s.from.clearance;
     const std::array<Sphere, 3> balls{t_.balls[gate[0]], t_.balls[gate[1]], t_.balls[gate[2]]};
-    return std::min(gate_clearance(balls).value_or(s.low), s.from.clearance);
+    const auto gate_at = gate_place(balls);
+    return std::min(gate_at ? gate_at->clearance : s.low, s.from.clearance);
   }
 
   // Of the largest radius. If the narrowest gate is the same at two levels no farther apart than

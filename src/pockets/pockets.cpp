@@ -285,6 +285,12 @@ std::string_view kind_name(PocketKind kind) {
   return kind == PocketKind::pocket ? "pocket" : "channel";
 }
 
+std::optional<double> probe_margin(const Pocket& pocket) {
+  if (!pocket.clearance) return std::nullopt;
+  const double way = std::abs(pocket.bottleneck_clearance.value_or(*pocket.clearance));
+  return std::min(way, std::abs(*pocket.clearance));
+}
+
 PocketTable pockets(const SphereSet& spheres, const PocketOptions& options) {
   const PowerTriangulation t =
       triangulate(spheres, options.monitor, std::nullopt, options.memory_limit);

@@ -77,6 +77,10 @@ struct Pocket {
   std::optional<double> bottleneck_clearance;
 };
 
+// Å: the least change of the probe's radius with which a void opens, the way out of a pocket
+// closes, or its deepest place is lost. Nothing if clearances were not computed.
+std::optional<double> probe_margin(const Pocket& pocket);
+
 struct PocketTable {
   std::vector<Pocket> pockets;  // by falling volume
   std::uint64_t empty_tetrahedra;

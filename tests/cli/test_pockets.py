@@ -66,6 +66,66 @@ class Pockets(ProgramTest):
         self.assertRegex(text, r"Pockets +\d+: with one mouth: \d+, channels: \d+, voids: 2; ties: 0")
         self.assertRegex(text, r"(?m)^ +1  pocket +\d+\.\d+ ")
 
+    def test_margins(self):
+        for row in self.table(UBIQUITIN):
+            bottleneck, fits, margin = (float(row[k]) for k in ("bottleneck_radius", "depth_probe", "margin"))
+            self.assert_near(margin, min(abs(bottleneck - 1.4), fits - 1.4), 1e-12)
+            if row["kind"] != "void" or 1.4 - bottleneck > fits - 1.4:
+                continue
+            # A little less than the margin leaves the void, a little more opens it.
+            for change, voids in ((-1e-6, 1), (1e-6, 0)):
+                found = self.table(UBIQUITIN, "--probe", f"{1.4 - margin - change:.9f}")
+                kinds = [r["kind"] for r in found if math.dist(self.place(r), self.place(row)) < 1e-6]
+                self.assertEqual(kinds.count("void"), voids)
+
+    @staticmethod
+    def place(row):
+        return [float(row[f"depth_{axis}"]) for axis in "xyz"]
+
+    def test_scan_has_the_voids_of_each_probe(self):
+        path = self.folder / "places.csv"
+        scan = self.report("pockets", UBIQUITIN, "--scan", "1.2:2.5", "-o", path)["scan"]
+        self.assertTrue(scan["is_complete"])
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), len(scan["places"]))
+        for probe in ("1.3", "1.4"):
+            alive = [r for r in rows if float(r["radius"]) > float(probe) and float(r["joins_at"] or 0) <= float(probe)]
+            voids = [r for r in self.table(UBIQUITIN, "--probe", probe) if r["kind"] == "void"]
+            self.assertEqual(len(alive), len(voids))
+            for row in voids:
+                nearest = min(alive, key=lambda r, row=row: math.dist([float(r[a]) for a in "xyz"], self.place(row)))
+                self.assert_near(float(nearest["opens_at"] or row["bottleneck_radius"]), float(row["bottleneck_radius"]), 1e-9)
+        self.assert_refused(BAD_INPUT, "pockets", UBIQUITIN, "--scan", "2", says=("--scan", "LO:HI"))
+        self.assert_refused(BAD_INPUT, "pockets", UBIQUITIN, "--scan", "2:1", says=("smaller",))
+
+    def test_shell_is_the_difference_of_two_surfaces(self):
+        with need_shared("reference/pockets_shell.csv").open(newline="") as file:
+            expected = [row for row in csv.DictReader(file) if row["set"] in ("1CRN", "1UBQ")]
+        for row in expected:
+            path = self.folder / "shell.csv"
+            self.run_ok("pockets", need_shared(f"reference/{row['set']}.xyzr"), "--shell", row["large_probe"],
+                        "-o", path, "--quiet")  # fmt: skip
+            with path.open(newline="") as file:
+                (found,) = csv.DictReader(file)
+            self.assertEqual(list(found), list(row))
+            for name in row:
+                if name != "set":
+                    self.assert_near(float(found[name]), float(row[name]), TWELVE_DIGITS * max(1, float(row[name])))
+
+    def test_way_out(self):
+        path = self.folder / "way.csv"
+        way = self.report("pockets", UBIQUITIN, "--from", "pocket:1", "-o", path)["way"]
+        first = self.table(UBIQUITIN)[0]
+        self.assert_near(way["bottleneck"], float(first["bottleneck_radius"]), 1e-9)
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), len(way["points"]))
+        self.assert_near(math.dist([float(rows[0][a]) for a in "xyz"], self.place(first)), 0, 1e-6)
+        for place in ("A/LEU 50/CD1", "A/50/CD1", "30,28,14"):
+            self.assertGreater(self.report("pockets", UBIQUITIN, "--from", place)["way"]["length"], 0)
+        self.assert_refused(BAD_INPUT, "pockets", UBIQUITIN, "--from", "A/1/XX", says=("--from", "pocket:1"))
+
     def test_few_atoms_have_none(self):
         path = self.file("two.xyzr", "0 0 0 1\n2.5 0 0 1\n")
         self.assertEqual(self.table(path), [])
