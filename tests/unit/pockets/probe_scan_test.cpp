@@ -151,7 +151,9 @@ void expect_way(const std::vector<Sphere>& balls, const WayOut& way) {
     EXPECT_NEAR(norm(p.center - balls[p.nearest].center) - balls[p.nearest].radius, p.radius,
                 kRounding);
     // A step is far shorter than a ball, so the way nowhere leaps over one.
-    if (i > 0) EXPECT_LE(norm(p.center - way.points[i - 1].center), 0.2);
+    if (i > 0) {
+      EXPECT_LE(norm(p.center - way.points[i - 1].center), 0.2);
+    }
   }
   EXPECT_NEAR(way.length, along, 1e-9);
   for (const ProbeGate& g : way.gates) {
