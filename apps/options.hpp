@@ -57,7 +57,7 @@ struct Shard {
 };
 
 // The verb whose figures the rows of a batch have.
-enum class BatchVerb { exact, report, interface };
+enum class BatchVerb { exact, report, interface, pockets };
 
 struct BatchChoice {
   BatchVerb verb = BatchVerb::exact;
@@ -67,7 +67,6 @@ struct BatchChoice {
   Switch resume = Switch::on;
 };
 
-// Where results go: a file, standard output ("-") or nowhere (empty).
 // What `pockets` answers in place of its table; one of them at most.
 struct PocketQuery {
   std::optional<std::array<double, 2>> scan;  // Å: the smallest and the largest probe
@@ -75,8 +74,9 @@ struct PocketQuery {
   std::string from;                           // an atom, a place or a pocket
 };
 
+// Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
-  std::string json, per_atom, voids, csv, gradient, depth;
+  std::string json, per_atom, voids, csv, spheres, gradient, depth;
   AtomGroup group = AtomGroup::atom;
 };
 

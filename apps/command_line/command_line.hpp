@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "options.hpp"
+#include "pockets/pockets.hpp"
 #include "steps/picture_options.hpp"
 #include "study/study_options.hpp"
 #include "verbs/verbs.hpp"
@@ -27,6 +28,7 @@ struct Options {
   PocketQuery pocket_query;
   StudyOptions study;
   BatchChoice batch;
+  PocketMeasures pocket_measures = PocketMeasures::exact;
 };
 
 struct Command {

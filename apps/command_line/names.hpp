@@ -38,7 +38,8 @@ template <>
 inline constexpr auto kNames<apps::BatchVerb> =
     names<apps::BatchVerb>({{"exact", apps::BatchVerb::exact},
                             {"report", apps::BatchVerb::report},
-                            {"interface", apps::BatchVerb::interface}});
+                            {"interface", apps::BatchVerb::interface},
+                            {"pockets", apps::BatchVerb::pockets}});
 template <>
 inline constexpr auto kNames<apps::RowFormat> =
     names<apps::RowFormat>({{"jsonl", apps::RowFormat::jsonl}, {"csv", apps::RowFormat::csv}});

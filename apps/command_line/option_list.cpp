@@ -273,6 +273,8 @@ std::vector<Option> measure_options(Draft& d) {
        "components and Euler characteristic: counts or off", otherwise("counts")},
       {"--certify", kReport | kExact, flag(d.measure.certify, true),
        "intervals that are proven to contain the exact area and volume"},
+      {"--sums", kPockets | kBatch, flag(o.pocket_measures, PocketMeasures::sums),
+       "of pockets CASTp's sums alone, several times as fast: no exact volumes, no lining"},
       {"--distances", kDistances, one(c.distances, named<Switch>()),
        "between mesh and exact surface", by_default("on")},
       {"--samples", kDistances, one(c.samples_per_area, density()), "of --distances, per Å²",
@@ -393,10 +395,10 @@ std::vector<Option> output_options(Draft& d) {
        one(o.output.group, named<AtomGroup>()),
        "rows of --per-atom; of residues with the relative areas of radius sets such as protor",
        by_default("atom")},
-      {"-o,--output", kPockets, one(o.output.csv, text("FILE"), Use::writes),
-       "table of the pockets: .csv; - is standard output", no_default(), "--csv"},
-      {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the same as -o",
-       no_default(), "-o"},
+      {"-o,--output", kPockets, one(o.output.spheres, text("FILE"), Use::writes),
+       "table of the pockets: .csv, - is standard output; or their spheres for viewers: .pdb .pml "
+       "(PyMOL) .bild (ChimeraX)"},
+      {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the table"},
       {"--scan", kPockets, probe_range(o.pocket_query.scan),
        "the places for probes of LO to HI Å, and at which radii they join, in place of the pockets",
        no_default(), "--shell"},
@@ -429,8 +431,11 @@ constexpr std::string_view kUnseen[] = {
     "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
     "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
     "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
+    "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
+    "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
+    "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
     "--edge-lengths", "--relative-edge", "--padding",    "--project",    "--scan",
-    "--shell",        "--from"};
+    "--shell",        "--from",          "--sums"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

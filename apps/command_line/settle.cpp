@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <utility>
 
 #include "command_line/option_list.hpp"
 #include "core/letters.hpp"
 #include "mesh/mesh_io.hpp"
 #include "named_files.hpp"
 #include "render/renderer.hpp"
+#include "report/pocket_spheres.hpp"
 #include "request/memory_limit.hpp"
 #include "request/read_request.hpp"
 #include "request/refuse.hpp"
@@ -99,6 +101,10 @@ void settle_render(const Draft& d) {
   }
 }
 
+bool is_of_pockets(const Draft& d) {
+  return d.verb == kPockets || (d.verb == kBatch && d.options.batch.verb == BatchVerb::pockets);
+}
+
 bool is_of_interfaces(const Draft& d) {
   return d.verb == kInterface || (d.verb == kBatch && d.options.batch.verb == BatchVerb::interface);
 }
@@ -158,6 +164,24 @@ void settle_interface(Draft& d) {
            d.read.groups.front());
 }
 
+// -o names a table unless its extension is one of spheres.
+void settle_pockets(Draft& d) {
+  OutputOptions& o = d.options.output;
+  const bool of_spheres = find_sphere_format(o.spheres).has_value();
+  const std::string question = first_given(d, {"--scan", "--shell", "--from"});
+  refuse_if(!question.empty() && is_given(d, "--sums"), "--sums: is of pockets; leave out {}",
+            question);
+  refuse_if(!question.empty() && of_spheres, "-o {}: spheres are those of pockets; leave out {}",
+            o.spheres, question);
+  if (of_spheres) {
+    refuse_if(is_given(d, "--sums"), "-o {}: spheres are those of exact pockets; leave out --sums",
+              o.spheres);
+    return;
+  }
+  refuse_if(!o.spheres.empty() && !o.csv.empty(), "--csv: -o names a table too; leave out one");
+  if (!o.spheres.empty()) o.csv = std::exchange(o.spheres, "");
+}
+
 void settle_distances(const Draft& d) {
   const std::string of_samples = first_given(d, {"--samples", "--seed"});
   refuse_if(!of_samples.empty() && d.options.distances.distances == Switch::off,
@@ -205,11 +229,12 @@ void settle_picture(const Draft& d) {
 // Options of the mesh would be without effect where none is made.
 void settle_batch_verb(const Draft& d) {
   const bool of_interfaces = is_of_interfaces(d);
+  refuse_if(is_given(d, "--sums") && !is_of_pockets(d), "--sums: is of --verb pockets; add that");
   if (d.options.batch.verb == BatchVerb::report) return;
   for (const auto& [name, group] : d.given) {
     const bool of_union = name == "--measure" || name == "--method" || name == "--topology";
-    refuse_if(of_interfaces && of_union, "{}: does not go with --verb interface; leave it out",
-              name);
+    refuse_if((of_interfaces || is_of_pockets(d)) && of_union,
+              "{}: does not go with --verb {}; leave it out", name, name_of(d.options.batch.verb));
     if (of_interfaces && (name == "--samples" || name == "--seed")) continue;
     const bool of_mesh = group == kSurfaceGroup || name == "--distances" || name == "--samples" ||
                          name == "--seed" || name == "--self-intersections" ||
@@ -292,12 +317,13 @@ void settle_study(Draft& d) {
 // The surface comes first, because the preset decides which atoms are taken. Pockets are those of
 // the accessible surface.
 void settle(Draft& d) {
-  if (d.verb == kPockets) d.measure.surface = SurfaceChoice::sas;
+  if (is_of_pockets(d)) d.measure.surface = SurfaceChoice::sas;
   settle_mesh(d);
   settle_exact(d);
   settle_input(d);
   settle_excluded(d);
   settle_interface(d);
+  settle_pockets(d);
   settle_distances(d);
   settle_machine(d);
   settle_output(d);

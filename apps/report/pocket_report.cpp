@@ -31,7 +31,8 @@ std::string set_name(const std::string& path) {
   return name.stem().string();
 }
 
-PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe) {
+PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe,
+                           PocketMeasures measures) {
   PocketReport report{{}, table.empty_tetrahedra, table.face_ties, table.cell_ties};
   for (const Pocket& pocket : table.pockets) {
     std::string lining;
@@ -45,6 +46,7 @@ PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, d
     row.probe = probe;
     row.rank = report.pockets.size();
     row.lining_text = lining;
+    row.measures = measures;
   }
   return report;
 }
@@ -67,6 +69,8 @@ std::string pocket_text(const PocketReport& report) {
                    count_of(report, PocketKind::channel), count_of(report, PocketKind::enclosed),
                    report.face_ties));
   if (report.pockets.empty()) return text;
+  if (report.pockets.front().measures == PocketMeasures::sums)
+    line(out, "Measures", "CASTp's sums, which are exact for voids alone");
   fmt::format_to(out, "\n{:>6}  {:<8}{:>12}{:>12}{:>8}{:>12}{:>8}{:>8}{:>10}{:>7}  {}\n", "",
                  "kind", "volume Å³", "area Å²", "mouths", "open Å²", "fits Å", "exit Å",
                  "margin Å", "atoms", "deepest place");

@@ -18,6 +18,12 @@ struct PocketRow : Pocket {
   double probe = 0;         // Å
   std::uint64_t rank = 0;   // from 1, by falling volume
   std::string lining_text;  // names of lining atoms, with blanks between
+  PocketMeasures measures = PocketMeasures::exact;
+};
+
+// A mouth with what of it was measured.
+struct MouthRow : Mouth {
+  PocketMeasures measures = PocketMeasures::exact;
 };
 
 struct PocketReport {
@@ -25,7 +31,13 @@ struct PocketReport {
   std::uint64_t empty_tetrahedra = 0, face_ties = 0, cell_ties = 0;  // as in PocketTable
 };
 
-PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe);
+// The warning of so many ties.
+inline constexpr const char* kPocketTies =
+    "{} orthogonal centres lie exactly in a face: the pockets depend on how such ties are broken; "
+    "move the atoms a little to see how much";
+
+PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, double probe,
+                           PocketMeasures measures = PocketMeasures::exact);
 
 // "4HHB" of "folder/4HHB.cif.gz".
 std::string set_name(const std::string& path);
@@ -34,9 +46,14 @@ std::string pocket_text(const PocketReport& report);
 // One row per pocket, the largest first.
 std::string pocket_csv(const PocketReport& report);
 
+// Where only sums were taken, there is no exact figure.
+inline std::optional<double> if_exact(PocketMeasures measures, double figure) {
+  return measures == PocketMeasures::exact ? std::optional(figure) : std::nullopt;
+}
+
 template <class A>
-void describe(A& a, const Mouth& mouth) {
-  a("area", mouth.area), a("rim", mouth.rim);
+void describe(A& a, const MouthRow& mouth) {
+  a("area", if_exact(mouth.measures, mouth.area)), a("rim", if_exact(mouth.measures, mouth.rim));
   a("area_sum", mouth.area_sum), a("rim_sum", mouth.rim_sum);
   a("center", std::vector{mouth.center.x, mouth.center.y, mouth.center.z});
   a("faces", mouth.faces);
@@ -55,9 +72,10 @@ Member sum_over_mouths(const Pocket& pocket, Member Mouth::*member) {
 template <class A>
 void describe(A& a, const PocketRow& p) {
   a("set", p.set), a("probe", p.probe), a("rank", p.rank), a("kind", kind_name(p.kind));
-  a("volume", p.volume), a("area", p.area), a("mouths", p.mouths.size());
-  a("mouth_area", sum_over_mouths(p, &Mouth::area));
-  a("mouth_rim", sum_over_mouths(p, &Mouth::rim));
+  a("volume", if_exact(p.measures, p.volume)), a("area", if_exact(p.measures, p.area));
+  a("mouths", p.mouths.size());
+  a("mouth_area", if_exact(p.measures, sum_over_mouths(p, &Mouth::area)));
+  a("mouth_rim", if_exact(p.measures, sum_over_mouths(p, &Mouth::rim)));
   a("atoms", p.spheres), a("tetrahedra", p.tetrahedra), a("sinks", p.sinks);
   const auto grown = [&](std::optional<double> clearance) {
     return clearance ? std::optional(*clearance + p.probe) : std::nullopt;
@@ -76,7 +94,9 @@ void describe(A& a, const PocketRow& p) {
   a("lining", p.lining_text);
   std::vector<double> areas;
   for (const LiningSphere& s : p.lining) areas.push_back(s.area);
-  a("lining_areas", areas), a("mouth_table", p.mouths);
+  std::vector<MouthRow> mouths;
+  for (const Mouth& m : p.mouths) mouths.push_back({m, p.measures});
+  a("lining_areas", areas), a("mouth_table", mouths);
 }
 
 template <class A>

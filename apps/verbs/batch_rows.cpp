@@ -66,6 +66,26 @@ void describe_figures(A& a, const InterfaceRow& row) {
   a("interfaces", row.interfaces);
 }
 
+// A table has their number and sums over them.
+template <class A>
+void describe_figures(A& a, const PocketsRow& row) {
+  std::optional<std::uint64_t> count;
+  std::optional<double> volume, volume_sum, open;
+  if (row.pockets) {
+    const bool exact = row.measures == PocketMeasures::exact;
+    count = row.pockets->pockets.size();
+    volume_sum = 0;
+    if (exact) volume = open = 0;
+    for (const PocketRow& p : row.pockets->pockets) {
+      *volume_sum += p.volume_sum;
+      if (exact) *volume += p.volume, *open += sum_over_mouths(p, &Mouth::area);
+    }
+  }
+  describe_figures(a, static_cast<const BatchRow&>(row));
+  a("pocket_count", count), a("pocket_volume", volume), a("pocket_volume_sum", volume_sum);
+  a("mouth_area", open), a("pockets", row.pockets);
+}
+
 template <class Row>
 std::string json_row(const Row& row, const std::string& settings) {
   JsonText json(JsonText::Layout::compact);
@@ -127,6 +147,7 @@ std::string RowWriter::header() const {
   if (format_ != RowFormat::csv) return {};
   if (verb_ == BatchVerb::report) return csv_row(ReportRow{}, "").names() + '\n';
   if (verb_ == BatchVerb::interface) return csv_row(InterfaceRow{}, "").names() + '\n';
+  if (verb_ == BatchVerb::pockets) return csv_row(PocketsRow{}, "").names() + '\n';
   return csv_row(BatchRow{}, "").names() + '\n';
 }
 
@@ -135,6 +156,10 @@ std::string RowWriter::text(const BatchRow& row) const { return line_of(row, for
 std::string RowWriter::text(const ReportRow& row) const { return line_of(row, format_, settings_); }
 
 std::string RowWriter::text(const InterfaceRow& row) const {
+  return line_of(row, format_, settings_);
+}
+
+std::string RowWriter::text(const PocketsRow& row) const {
   return line_of(row, format_, settings_);
 }
 
@@ -170,6 +195,8 @@ std::string settings_key(const Options& options) {
   if (options.batch.verb == BatchVerb::interface)
     all += fmt::format("\ninterface\n{}\n{}\n{}", name_of(options.distances.distances),
                        options.distances.samples_per_area, options.distances.seed);
+  if (options.batch.verb == BatchVerb::pockets)
+    all += fmt::format("\npockets\n{}", static_cast<int>(options.pocket_measures));
   return fmt::format("{:016x}", fnv1a(all));
 }
 

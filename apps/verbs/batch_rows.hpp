@@ -7,6 +7,7 @@
 
 #include "batch/batch.hpp"
 #include "command_line/command_line.hpp"
+#include "verbs/batch_pockets.hpp"
 #include "verbs/batch_report.hpp"
 
 namespace vdwmesh::apps {
@@ -23,6 +24,7 @@ class RowWriter {
   std::string text(const BatchRow& row) const;
   std::string text(const ReportRow& row) const;
   std::string text(const InterfaceRow& row) const;
+  std::string text(const PocketsRow& row) const;
   // What text() begins with for a structure of that name, and with that content() behind it.
   std::string beginning(const std::string& name) const;
   std::string content(const std::optional<std::string>& content) const;

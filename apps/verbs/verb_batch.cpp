@@ -27,6 +27,7 @@
 #include "request/refuse.hpp"
 #include "steps/session.hpp"
 #include "steps/steps.hpp"
+#include "verbs/batch_pockets.hpp"
 #include "verbs/batch_report.hpp"
 #include "verbs/batch_rows.hpp"
 #include "verbs/verbs.hpp"
@@ -206,19 +207,16 @@ std::uint64_t make_rows_of_verb(StructureSource& source, std::uint64_t most, con
                                 Monitor* monitor, const auto& on_row) {
   const BatchOptions one = options_of_one(options, monitor);
   if (options.batch.verb == BatchVerb::exact) return run_batch(source, most, one, on_row);
-  const auto threads = static_cast<std::size_t>(one.threads);
-  if (options.batch.verb == BatchVerb::interface) {
-    return make_rows<InterfaceRow>(
-        source, most, threads, monitor,
-        [&](const NamedStructure& structure) {
-          return make_interface_row(structure, options, one);
-        },
+  const auto rows_of = [&](const auto& make_row) {
+    using Row = decltype(make_row(NamedStructure(), options, one));
+    return make_rows<Row>(
+        source, most, static_cast<std::size_t>(one.threads), monitor,
+        [&](const NamedStructure& structure) { return make_row(structure, options, one); },
         on_row);
-  }
-  return make_rows<ReportRow>(
-      source, most, threads, monitor,
-      [&](const NamedStructure& structure) { return make_report_row(structure, options, one); },
-      on_row);
+  };
+  if (options.batch.verb == BatchVerb::interface) return rows_of(make_interface_row);
+  if (options.batch.verb == BatchVerb::pockets) return rows_of(make_pockets_row);
+  return rows_of(make_report_row);
 }
 
 void skip(StructureSource& source, std::uint64_t count) {

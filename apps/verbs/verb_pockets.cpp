@@ -13,6 +13,7 @@
 #include "memory_plan.hpp"
 #include "report/atom_names.hpp"
 #include "report/output.hpp"
+#include "report/pocket_spheres.hpp"
 #include "request/refuse.hpp"
 #include "steps/exact_steps.hpp"
 #include "steps/steps.hpp"
@@ -23,14 +24,12 @@ namespace {
 
 std::string run_table(const Options& options, const Molecule& molecule, const SphereSet& spheres,
                       VerbSession& session) {
-  const PocketTable table =
-      pockets(spheres, {.monitor = session.monitor, .memory_limit = options.machine.memory_limit});
-  session.report.pockets = pocket_report(table, molecule, options.inputs.front().probe);
-  session.report.warn_if(
-      table.face_ties > 0,
-      "{} orthogonal centres lie exactly in a face: the pockets depend on how such ties are "
-      "broken; move the atoms a little to see how much",
-      table.face_ties);
+  const PocketTable table = pockets(spheres, {.measures = options.pocket_measures,
+                                              .monitor = session.monitor,
+                                              .memory_limit = options.machine.memory_limit});
+  session.report.pockets =
+      pocket_report(table, molecule, options.inputs.front().probe, options.pocket_measures);
+  session.report.warn_if(table.face_ties > 0, kPocketTies, table.face_ties);
   return pocket_csv(*session.report.pockets);
 }
 
@@ -129,6 +128,9 @@ void run_pockets(const Options& options) {
   session.end_stage(&Timing::exact);
   session.end_progress();
   write_output(options.output.csv, table);
+  const std::string& spheres_path = options.output.spheres;
+  if (const auto format = find_sphere_format(spheres_path))
+    write_file(spheres_path, pocket_spheres(*session.report.pockets, *format));
   session.end_stage(&Timing::write);
   session.deliver_report(options.output);
 }

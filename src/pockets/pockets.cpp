@@ -41,6 +41,7 @@ struct PocketParts {
   std::map<std::uint32_t, WideSum> ball_area;
   std::vector<std::uint32_t> balls;  // of the complex, some repeatedly
   std::vector<MouthFace> mouth_faces;
+  std::vector<Sphere> alpha_spheres;
   std::uint64_t tetrahedra = 0, poked_faces = 0;
   std::vector<std::uint32_t> sinks;  // cells
   std::uint32_t deepest = kNoIndex;  // cell
@@ -98,6 +99,7 @@ class PocketMeasurer {
   void add_cell(std::uint32_t c, const CellMeasures& m) {
     PocketParts& parts = parts_[flow_.pocket[c]];
     ++parts.tetrahedra;
+    if (options_.measures == PocketMeasures::exact) parts.alpha_spheres.push_back(alpha_sphere(c));
     parts.volume.add(m.exact.volume), parts.area.add(m.exact.area);
     parts.volume_sum.add(m.sums.volume), parts.area_sum.add(m.sums.area);
     for (const auto& [b, area] : m.exact.ball_area) parts.ball_area[b].add(area);
@@ -117,6 +119,16 @@ class PocketMeasurer {
                                    .rim_sum = m.sums.face_rim[k]});
       parts.poked_faces += flow_.obtuse[n] >> slot_of_neighbor(n, c) & 1;
     }
+  }
+
+  // Not scaled.
+  Sphere alpha_sphere(std::uint32_t c) const {
+    const Vec3d center = center_of(c);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t v : t_.cells[c]) {
+      nearest = std::min(nearest, norm(center - ball(v).center) - ball(v).radius);
+    }
+    return {scaled(center), scaled(nearest, 1)};
   }
 
   std::size_t slot_of_neighbor(std::uint32_t of, std::uint32_t neighbor) const {
@@ -145,6 +157,7 @@ class PocketMeasurer {
                   : pocket.mouths.size() == 1 ? PocketKind::pocket
                                               : PocketKind::channel;
     pocket.lining = lining_of(parts);
+    pocket.alpha_spheres = std::move(parts.alpha_spheres);
     for (auto b = parts.balls.begin(); b != last; ++b) pocket.corners.push_back(t_.ids[*b]);
     std::ranges::sort(pocket.corners);
     pocket.spheres = pocket.corners.size();

@@ -59,8 +59,11 @@ struct Pocket {
   std::vector<LiningSphere> lining;  // ascending ids; areas of 0 to rounding are left out
   std::uint64_t spheres;             // vertices of its tetrahedra that are in the dual complex
   std::vector<SphereId> corners;     // the same, by ascending ids
-  std::uint64_t tetrahedra, sinks;   // a sink has no flow out of it
-  std::uint64_t poked_faces;         // of mouths: flow comes in through them
+  // For each tetrahedron its orthogonal centre, and the distance from there to the nearest of its
+  // spheres; as fpocket's alpha spheres, for pictures. With PocketMeasures::exact.
+  std::vector<Sphere> alpha_spheres;
+  std::uint64_t tetrahedra, sinks;  // a sink has no flow out of it
+  std::uint64_t poked_faces;        // of mouths: flow comes in through them
   // The sink of greatest size, the centre (Å) and the size (Å²) of its orthogonal sphere.
   Vec3d depth_center;
   double depth_alpha;

@@ -21,9 +21,9 @@ DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
 
 
 # Options that help does not show, because measurements of the authors alone turn them.
-UNSEEN = {"--csv", "--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
+UNSEEN = {"--csv", "--sums", "--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
           "--camera", "--shading", "--antialias", "--rows", "--time-limit", "--page-triangles", "--edge-lengths",
-          "--relative-edge", "--padding", "--project"}  # fmt: skip
+          "--relative-edge", "--padding", "--project", "--scan", "--shell", "--from"}  # fmt: skip
 
 
 def is_required(variable):

@@ -4,7 +4,7 @@ import csv
 import math
 
 import program
-from program import BAD_INPUT, UBIQUITIN, ProgramTest, need_shared, parse_json
+from program import BAD_INPUT, DONE, UBIQUITIN, ProgramTest, need_shared, parse_json, run, schema_validator
 
 TWELVE_DIGITS = 1e-9  # the other program's table has twelve digits, its largest figure is 4296
 LISTS = {"lining_areas", "mouth_table"}
@@ -125,6 +125,75 @@ class Pockets(ProgramTest):
         for place in ("A/LEU 50/CD1", "A/50/CD1", "30,28,14"):
             self.assertGreater(self.report("pockets", UBIQUITIN, "--from", place)["way"]["length"], 0)
         self.assert_refused(BAD_INPUT, "pockets", UBIQUITIN, "--from", "A/1/XX", says=("--from", "pocket:1"))
+    def rows(self, *arguments, code=DONE):
+        result = run("batch", *arguments, "--verb", "pockets")
+        self.assertEqual(result.returncode, code, result.stderr)
+        rows = [parse_json(line) for line in result.stdout.splitlines()]
+        for row in rows:
+            schema_validator("batch").validate(row)
+        return rows
+
+    def test_batch_has_the_pockets_of_single_calls(self):
+        two = self.file("two.xyzr", "0 0 0 1\n2.5 0 0 1\n")
+        bad = self.file("bad.xyzr", "0 0 0\n")
+        ubiquitin, few, refused = self.rows(UBIQUITIN, two, bad, code=BAD_INPUT)
+        single = self.report("pockets", UBIQUITIN)["pockets"]
+        self.assertEqual(ubiquitin["pockets"], single)
+        self.assertEqual(ubiquitin["pocket_count"], len(single["pockets"]))
+        self.assertEqual(ubiquitin["voids"], 2)
+        self.assert_near(ubiquitin["pocket_volume"], math.fsum(p["volume"] for p in single["pockets"]), 1e-10)
+        self.assertEqual((few["pocket_count"], few["pocket_volume"]), (0, 0))
+        self.assertIsNone(refused["pockets"])
+        self.assertIn("bad.xyzr", refused["error"])
+
+    def test_batch_table_goes_on(self):
+        two = self.file("two.xyzr", "0 0 0 1\n2.5 0 0 1\n")
+        path, call = self.folder / "rows.csv", ("batch", UBIQUITIN, two, "--verb", "pockets", "-o")
+        self.run_ok(*call, path)
+        whole = path.read_bytes()
+        self.assertIn(b",pocket_count,pocket_volume,", whole.splitlines()[0])
+        path.write_bytes(whole[: len(whole) - 20])
+        self.run_ok(*call, path)
+        self.assertEqual(path.read_bytes(), whole)
+        self.assert_refused(BAD_INPUT, *call, path, "--sums", says=("name another file",))
+
+    def test_sums_alone_are_those_beside_exact_figures(self):
+        exact = self.report("pockets", UBIQUITIN)["pockets"]["pockets"]
+        sums = self.report("pockets", UBIQUITIN, "--sums")["pockets"]["pockets"]
+        key = lambda p: p["depth_alpha"]  # noqa: E731
+        self.assertEqual(len(sums), len(exact))
+        for one, other in zip(sorted(sums, key=key), sorted(exact, key=key), strict=True):
+            for name in ("kind", "volume_sum", "area_sum", "mouth_area_sum", "mouth_rim_sum", "atoms", "bottleneck_alpha"):
+                self.assertEqual(one[name], other[name], name)
+            for name in ("volume", "area", "mouth_area", "mouth_rim", "depth_probe"):
+                self.assertIsNone(one[name], name)
+            self.assertTrue(all(m["area"] is None for m in one["mouth_table"]))
+        (row,) = self.rows(UBIQUITIN, "--sums")
+        self.assertEqual(row["pockets"]["pockets"], sums)
+        self.assertIsNone(row["pocket_volume"])
+
+    def test_spheres_of_a_cube(self):
+        """The centre of the cube is the orthogonal centre of each of its tetrahedra."""
+        corners = [(x, y, z) for x in (0, 4.6) for y in (0, 4.6) for z in (0, 4.6)]
+        cube = self.file("cube.xyzr", "".join(f"{x} {y} {z} 1.5\n" for x, y, z in corners))
+        (row,) = self.table(cube)
+        radius = math.sqrt(3) * 2.3 - 1.5
+        for name in ("s.pdb", "s.pml", "s.bild"):
+            self.run_ok("pockets", cube, "-o", self.folder / name, "--quiet")
+        records = [line for line in (self.folder / "s.pdb").read_text().splitlines() if line.startswith("HETATM")]
+        self.assertEqual(len(records), int(row["tetrahedra"]))
+        for line in records:
+            self.assertEqual((line[12:16], line[17:20], line[21], line[22:26]), ("APOL", "STP", "C", "   1"))
+            self.assertEqual([float(line[k : k + 8]) for k in (30, 38, 46)], [2.3, 2.3, 2.3])
+            self.assertEqual(float(line[60:66]), round(radius, 2))
+        script = (self.folder / "s.pml").read_text()
+        self.assertIn("\n".join(records), script)
+        self.assertIn("select channel_1, pockets and resi 1", script)
+        spheres = [line.split()[1:] for line in (self.folder / "s.bild").read_text().splitlines() if ".sphere" in line]
+        self.assertEqual(len(spheres), len(records))
+        for x, y, z, r in spheres:
+            self.assert_near(float(x) + float(y) + float(z), 6.9, 1e-12)
+            self.assert_near(float(r), radius, 1e-12)
 
     def test_few_atoms_have_none(self):
         path = self.file("two.xyzr", "0 0 0 1\n2.5 0 0 1\n")
