@@ -43,6 +43,17 @@ void describe(A& a, const Comparison& comparison) {
 }
 
 template <class A>
+void describe(A& a, const DistanceBounds& bounds) {
+  a("lower", bounds.lower), a("upper", bounds.upper);
+}
+
+template <class A>
+void describe(A& a, const HausdorffBounds& bounds) {
+  a("mesh_to_surface", bounds.mesh_to_surface), a("surface_to_mesh", bounds.surface_to_mesh);
+  a("points", bounds.points);
+}
+
+template <class A>
 void describe(A& a, const ComparisonReport& comparison) {
   const auto& distances = comparison.distances;
   a("surface", comparison.surface);
@@ -50,6 +61,7 @@ void describe(A& a, const ComparisonReport& comparison) {
   a("proof", comparison.proof);
   a("exterior", comparison.exterior);
   describe_distances(a, distances);
+  a("bounds", comparison.bounds);
   a("distances_backend", distances ? std::optional(comparison.distances_backend) : std::nullopt);
   a("distances_reason", comparison.distances_reason);
 }

@@ -14,6 +14,7 @@
 #include "analysis/mesh_measures.hpp"
 #include "analysis/survey/cgal_measures.hpp"
 #include "creases/exact_mesher.hpp"
+#include "excluded/excluded_bounds.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "interface/complementarity.hpp"
 #include "interface/excluded_burial.hpp"
@@ -143,6 +144,7 @@ struct ComparisonReport : Comparison {
   ExactSurface surface = ExactSurface::vdw;     // that the mesh is compared with
   std::optional<MeshProof> proof;               // of meshes along the curves of the surface
   std::optional<Comparison> exterior;           // with the exterior excluded surface
+  std::optional<HausdorffBounds> bounds;        // proven; of the excluded surface
   Backend distances_backend = Backend::cpu;     // that measured the distances
   std::optional<std::string> distances_reason;  // why automatic did not take CUDA for them
 };

@@ -177,6 +177,12 @@ void mesh_text(Text out, const MeshReport& mesh) {
 void distances_text(Text out, const ComparisonReport& comparison) {
   distance_table(out, *comparison.distances, "Distance",
                  comparison.distances_backend == Backend::cuda ? ", measured on cuda" : "");
+  if (!comparison.bounds) return;
+  fmt::format_to(
+      out,
+      "Bounds       no point of the mesh is farther than {:.5f} Å from the surface, none "
+      "of the surface farther than {:.5f} Å from the mesh\n",
+      comparison.bounds->mesh_to_surface.upper, comparison.bounds->surface_to_mesh.upper);
 }
 
 void exterior_text(Text out, const Comparison& comparison) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cuda/backend.hpp"
+#include "excluded/excluded_bounds.hpp"
 #include "excluded/excluded_comparison.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "excluded/excluded_measures.hpp"
@@ -224,6 +225,9 @@ void compare_with_excluded(const IndexedMesh& mesh, const SphereSet& atoms,
                                 session.monitor};
   if (choice.distances == Switch::on) {
     comparison.distances = excluded_distances(mesh, atoms, excluded.probe, options);
+    comparison.bounds = excluded_distance_bounds(
+        mesh, atoms, excluded.probe,
+        {.memory_limit = session.machine.memory_limit, .monitor = session.monitor});
     comparison.distances_reason = "distances to the excluded surface are measured on the CPU";
   }
   compare_with_exterior(mesh, atoms, choice, options, report);

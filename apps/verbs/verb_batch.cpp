@@ -211,8 +211,7 @@ std::uint64_t make_rows_of_verb(StructureSource& source, std::uint64_t most, con
     using Row = decltype(make_row(NamedStructure(), options, one));
     return make_rows<Row>(
         source, most, static_cast<std::size_t>(one.threads), monitor,
-        [&](const NamedStructure& structure) { return make_row(structure, options, one); },
-        on_row);
+        [&](const NamedStructure& structure) { return make_row(structure, options, one); }, on_row);
   };
   if (options.batch.verb == BatchVerb::interface) return rows_of(make_interface_row);
   if (options.batch.verb == BatchVerb::pockets) return rows_of(make_pockets_row);

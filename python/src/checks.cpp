@@ -10,6 +10,7 @@
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
+#include "excluded/excluded_bounds.hpp"
 #include "excluded/excluded_comparison.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "mesh/connect/weld.hpp"
@@ -102,6 +103,7 @@ struct Compared {
   double exact_area, exact_volume;  // Å², Å³
   MeshSummary mesh;
   std::vector<double> face_distance;
+  std::optional<HausdorffBounds> bounds;  // of the excluded surface
 };
 
 Compared compare_all(const IndexedMesh& mesh, const SphereSet& spheres,
@@ -126,6 +128,7 @@ Compared compare_excluded(const IndexedMesh& mesh, const SphereSet& atoms, doubl
   all.exact_area = exact.area, all.exact_volume = exact.volume;
   all.comparison = compare(all.mesh.topology, all.mesh.measures, exact);
   all.comparison.distances = excluded_distances(mesh, atoms, probe, options);
+  all.bounds = excluded_distance_bounds(mesh, atoms, probe, {.monitor = options.monitor});
   all.face_distance = excluded_signed_distances(face_centers(mesh), atoms, probe, options.monitor);
   return all;
 }
@@ -145,15 +148,17 @@ py::dict compare(const MeshHandle& h, const py::buffer& coords, const py::buffer
                     : compare_all(*h.mesh, spheres_of(centers, sizes, probe), options);
   });
   const Comparison& c = all.comparison;
-  return py::dict("area"_a = all.mesh.measures.area, "volume"_a = all.mesh.measures.volume,
-                  "exact_area"_a = all.exact_area, "exact_volume"_a = all.exact_volume,
-                  "area_relative_error"_a = c.area_relative_error,
-                  "volume_relative_error"_a = c.volume_relative_error,
-                  "euler_characteristic_difference"_a = c.euler_characteristic_difference,
-                  "mesh_to_surface"_a = dict_of(c.distances->mesh_to_surface),
-                  "surface_to_mesh"_a = dict_of(c.distances->surface_to_mesh),
-                  "hausdorff_lower_bound"_a = c.distances->hausdorff_lower_bound,
-                  "face_distance"_a = array_of(std::move(all.face_distance)));
+  return py::dict(
+      "area"_a = all.mesh.measures.area, "volume"_a = all.mesh.measures.volume,
+      "exact_area"_a = all.exact_area, "exact_volume"_a = all.exact_volume,
+      "area_relative_error"_a = c.area_relative_error,
+      "volume_relative_error"_a = c.volume_relative_error,
+      "euler_characteristic_difference"_a = c.euler_characteristic_difference,
+      "mesh_to_surface"_a = dict_of(c.distances->mesh_to_surface),
+      "surface_to_mesh"_a = dict_of(c.distances->surface_to_mesh),
+      "hausdorff_lower_bound"_a = c.distances->hausdorff_lower_bound,
+      "hausdorff_upper_bound"_a = all.bounds ? std::optional(all.bounds->upper()) : std::nullopt,
+      "face_distance"_a = array_of(std::move(all.face_distance)));
 }
 
 Array signed_distance(const py::buffer& points, const py::buffer& coords, const py::buffer& radii,

@@ -111,7 +111,9 @@ class Comparison:
         Of the mesh, minus that of the boundary of the union.
     mesh_to_surface, surface_to_mesh : DistanceStatistics
     hausdorff_lower_bound : float
-        Å.
+        Å, of the samples.
+    hausdorff_upper_bound : float or None
+        Å, proven: no point of either surface is farther from the other. Of the excluded surface.
     face_distance : ndarray of float64, shape (F,)
         Signed distance of the centre of each face to the exact surface, Å; positive outside.
     notes : tuple of str
@@ -128,6 +130,7 @@ class Comparison:
     mesh_to_surface: DistanceStatistics
     surface_to_mesh: DistanceStatistics
     hausdorff_lower_bound: float
+    hausdorff_upper_bound: float | None
     face_distance: Floats
     notes: tuple[str, ...]
 

@@ -41,6 +41,12 @@ using excluded::SurfaceCell;
 using excluded::SurfaceCells;
 
 constexpr std::size_t kCellsPerBlock = 1024;
+// Cells of one round: enough for all cores; their parts, and the parts of those, take some 15 MiB.
+constexpr std::size_t kTogether = std::size_t{1} << 14;
+constexpr std::uint64_t kBytesPerCell = 112;
+// Creases are looked for at least this share of the probe's radius away, and this far (Å): farther
+// ones do not matter to a mesh that is nearer to the surface.
+constexpr double kCreaseShare = 0.25, kCreaseReach = 0.5;
 
 // A triangle of the mesh, or a part of one.
 struct MeshCell {
@@ -79,35 +85,35 @@ CellBounds bounds_of(const MeshCell& cell, double radius, const JudgedPoint& mid
   return {std::abs(middle.distance), std::max({above, below, 0.0})};
 }
 
-// Creases farther than this do not matter to a mesh that is nearer to the surface.
-double reach_of(double radius, double probe) { return 2 * radius + 0.25 * probe; }
+double reach_of(double radius, double probe) {
+  return 2 * radius + std::min(kCreaseShare * probe, kCreaseReach);
+}
 
-// Divides cells as the header says. measure(cells, bounds) bounds each, divide(cell, parts) adds
-// its parts. `lower` is the distance of some point.
+// Divides cells as the header says, the last ones first, so that there are never many. measure(
+// cells, bounds) bounds each, divide(cell, parts) adds its parts. `lower` is the distance of some
+// point.
 template <class Cell, class Measure, class Divide>
-DistanceBounds close_in(std::vector<Cell> cells, double lower, const Measure& measure,
+DistanceBounds close_in(std::vector<Cell> left, double lower, const Measure& measure,
                         const Divide& divide, const DistanceBoundOptions& options,
                         std::uint64_t& points) {
   DistanceBounds found{lower, lower};
   std::uint64_t measured = 0;
-  while (!cells.empty()) {
+  while (!left.empty()) {
+    const auto first = left.end() - static_cast<std::ptrdiff_t>(std::min(left.size(), kTogether));
+    const std::vector<Cell> cells(first, left.end());
+    left.erase(first, left.end());
     std::vector<CellBounds> bounds(cells.size());
     measure(cells, bounds);
     measured += cells.size();
     for (const CellBounds& b : bounds) found.lower = std::max(found.lower, b.lower);
     const double enough = found.lower * (1 + options.gap);
-    const auto needs_parts = [&](const CellBounds& b) { return b.upper > enough; };
-    const auto divided = static_cast<std::uint64_t>(std::ranges::count_if(bounds, needs_parts));
-    const bool stop = measured + 4 * divided > options.most_points;
-    std::vector<Cell> parts;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (stop || !needs_parts(bounds[i])) {
-        found.upper = std::max(found.upper, bounds[i].upper);
+      if (bounds[i].upper > enough && measured < options.most_points) {
+        divide(cells[i], left);
       } else {
-        divide(cells[i], parts);
+        found.upper = std::max(found.upper, bounds[i].upper);
       }
     }
-    cells = std::move(parts);
   }
   points += measured;
   found.upper = std::max(found.upper, found.lower);
@@ -242,7 +248,8 @@ void check_bound_options(const IndexedMesh& mesh, const SphereSet& atoms,
   }
   const std::uint64_t need =
       indexed_mesh_bytes(mesh) +
-      excluded_distances_bytes({mesh.vertex_count(), mesh.triangle_count()}, atoms.size());
+      excluded_distances_bytes({mesh.vertex_count(), mesh.triangle_count()}, atoms.size()) +
+      kBytesPerCell * (mesh.triangle_count() + 8 * kTogether);
   if (need <= options.memory_limit) return;
   throw LimitExceeded(fmt::format(
       "bounds of the distances of {} triangles need {} bytes with the mesh, {} are allowed: choose "

@@ -298,7 +298,7 @@ class ExcludedReport(ProgramTest):
     def test_the_text_sets_them_side_by_side(self):
         text = self.run_ok("report", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.6").stdout
         for words in ("mesh - exact", "Tunnels (genus)", "are those of the excluded surface",
-                      "surface to mesh", "Hausdorff distance"):
+                      "surface to mesh", "Hausdorff distance", "no point of the mesh is farther than"):
             self.assertIn(words, text)
 
     def test_without_topology_and_distances(self):

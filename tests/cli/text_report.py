@@ -93,6 +93,11 @@ class TextReport:
             comparison = self.document["comparison"]
             values = [comparison[k] for k in ("hausdorff_lower_bound", "samples", "seed")]
             return self.expect_numbers(line, line, values)
+        if line.startswith("Bounds "):
+            bounds = self.document["comparison"]["bounds"]
+            values = [bounds[k]["upper"] for k in ("mesh_to_surface", "surface_to_mesh")]
+            self.seen.add("Bounds")
+            return self.expect_numbers(line, line, values)
         if line.startswith("  standard error "):
             return self.expect(line, line.split()[2:4], [self.distances[k] for k in ("mean_error", "rms_error")])
         label, text = line[:13].strip(), line[13:]
