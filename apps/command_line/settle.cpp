@@ -13,7 +13,7 @@
 #include "mesh/mesh_io.hpp"
 #include "named_files.hpp"
 #include "render/renderer.hpp"
-#include "report/pocket_spheres.hpp"
+#include "report/pockets/pocket_spheres.hpp"
 #include "request/memory_limit.hpp"
 #include "request/read_request.hpp"
 #include "request/refuse.hpp"

@@ -22,8 +22,8 @@
 #include "options.hpp"
 #include "remesh/surface_remesher.hpp"
 #include "render/color_scale.hpp"
-#include "report/pocket_report.hpp"
-#include "report/scan_report.hpp"
+#include "report/pockets/pocket_report.hpp"
+#include "report/pockets/scan_report.hpp"
 #include "steps/stopwatch.hpp"
 #include "structure/molecule.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "batch/batch.hpp"
 #include "command_line/command_line.hpp"
-#include "report/pocket_report.hpp"
+#include "report/pockets/pocket_report.hpp"
 
 namespace vdwmesh::apps {
 

@@ -13,7 +13,7 @@
 #include "memory_plan.hpp"
 #include "report/atom_names.hpp"
 #include "report/output.hpp"
-#include "report/pocket_spheres.hpp"
+#include "report/pockets/pocket_spheres.hpp"
 #include "request/refuse.hpp"
 #include "steps/exact_steps.hpp"
 #include "steps/steps.hpp"

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "complex/dual_complex.hpp"
 #include "creases/arcs/point_circles.hpp"
 #include "creases/patch/patch_quality.hpp"
 #include "spheres/directions.hpp"

@@ -1,5 +1,5 @@
 // Makes rows of places, ways and shells, and lays them out for people.
-#include "report/scan_report.hpp"
+#include "report/pockets/scan_report.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "report/pocket_report.hpp"
+#include "report/pockets/pocket_report.hpp"
 
 namespace vdwmesh::apps {
 

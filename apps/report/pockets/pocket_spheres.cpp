@@ -1,5 +1,5 @@
 // Writes spheres of pockets as PDB records, a script of PyMOL, and BILD.
-#include "report/pocket_spheres.hpp"
+#include "report/pockets/pocket_spheres.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Makes rows of pockets, and lays them out for people.
-#include "report/pocket_report.hpp"
+#include "report/pockets/pocket_report.hpp"
 
 #include <fmt/format.h>
 
