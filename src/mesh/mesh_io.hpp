@@ -1,6 +1,6 @@
 // Reading and writing of mesh files. The extension of the name decides on the format: .ply .obj
-// .off .stl or .glb; .msh and .vtp are written alone. A file that is written appears whole or not at all: it is renamed to its name
-// when it is complete.
+// .off .stl or .glb; .msh and .vtp are written alone. A file that is written appears whole or not
+// at all: it is renamed to its name when it is complete.
 #pragma once
 
 #include <cstdint>
@@ -61,8 +61,8 @@ struct MeshFile {
 
 // Reads a mesh file: PLY and STL in text or binary form, OBJ, OFF, GLB. Convex and concave polygons
 // become triangles. Doubles keep their precision. Throws FileFormatError with the line or byte of
-// the error, InvalidInput if the extension is that of no format that is read, and LimitExceeded if a GLB file, which may
-// name an array many times, makes a mesh of more than `memory_limit` bytes.
+// the error, InvalidInput if the extension is that of no format that is read, and LimitExceeded if
+// a GLB file, which may name an array many times, makes a mesh of more than `memory_limit` bytes.
 MeshFile read_mesh(const std::filesystem::path& path, std::uint64_t memory_limit = kNoMemoryLimit);
 
 // write_mesh() and read_mesh() with a string instead of a file.

@@ -95,7 +95,7 @@ void add_values(const std::string& word, std::vector<std::string>& values) {
 // A residue number with its insertion code, in the order of a chain.
 using Place = std::pair<int, char>;
 
-struct Places {
+struct NumberRange {
   Place first, last;
 };
 
@@ -113,14 +113,14 @@ std::optional<Place> take_place(std::string_view& text) {
   return place;
 }
 
-std::optional<Places> places_of(std::string_view text) {
+std::optional<NumberRange> places_of(std::string_view text) {
   const auto first = take_place(text);
   if (!first) return std::nullopt;
-  if (text.empty()) return Places{*first, *first};
+  if (text.empty()) return NumberRange{*first, *first};
   if (text[0] != '-' && text[0] != ':') return std::nullopt;
   text.remove_prefix(1);
   const auto last = take_place(text);
-  return last && text.empty() ? std::optional(Places{*first, *last}) : std::nullopt;
+  return last && text.empty() ? std::optional(NumberRange{*first, *last}) : std::nullopt;
 }
 
 // Whether the text is the pattern, in which * stands for any characters.
@@ -160,13 +160,13 @@ SiteTest test_of(Keyword keyword, std::vector<std::string> values) {
   };
 }
 
-SiteTest test_of_places(const std::vector<Places>& all) {
+SiteTest test_of_places(const std::vector<NumberRange>& all) {
   return [all](const Site& site) {
     const gemmi::SeqId& id = site.place->residue->seqid;
     if (!id.num.has_value()) return false;
     const Place here{*id.num, upper_case(id.icode)};
     return std::ranges::any_of(
-        all, [here](const Places& p) { return p.first <= here && here <= p.last; });
+        all, [here](const NumberRange& p) { return p.first <= here && here <= p.last; });
   };
 }
 
@@ -265,7 +265,7 @@ class SelectionWords {
                   texts.begin() + static_cast<std::ptrdiff_t>(i) + 2);
       --i;
     }
-    std::vector<Places> all;
+    std::vector<NumberRange> all;
     for (const std::string& text : texts) {
       const auto places = places_of(text);
       if (!places) throw InvalidInput(fmt::format("near {}", in_quotes(text)));
