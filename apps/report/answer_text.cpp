@@ -165,11 +165,9 @@ std::pair<std::string, std::string> mesh_sizes(const Report& report) {
                       : ""};
 }
 
-bool has_same_shape(const Report& report) {
+bool is_proven_alike(const Report& report) {
   const auto& c = report.comparison;
-  if (!c) return false;
-  return c->proof && c->proof->topology_is_exact ? *c->proof->topology_is_exact
-                                                 : c->euler_characteristic_difference == 0;
+  return c && c->proof && c->proof->topology_is_exact.value_or(false);
 }
 
 std::string joined(const std::string& exact, const std::string& mesh) {
@@ -185,8 +183,9 @@ void sizes_text(Text out, const Report& report) {
   if (report.exact || report.excluded) exact = exact_sizes(report);
   if (report.mesh) {
     mesh = mesh_sizes(report);
-    const std::string of_mesh = "mesh " + mesh_shape_text(report.mesh->topology);
-    shape = joined(shape, !shape.empty() && has_same_shape(report) ? "mesh alike" : of_mesh);
+    const std::string of_mesh = mesh_shape_text(report.mesh->topology);
+    const bool is_alike = !shape.empty() && (shape == of_mesh || is_proven_alike(report));
+    shape = joined(shape, "mesh " + (is_alike ? "alike" : of_mesh));
   }
   if (const std::string area = joined(exact.first, mesh.first); !area.empty())
     line(out, "Area", area);

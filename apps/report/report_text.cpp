@@ -1,7 +1,7 @@
 // Lays the report out for people: the answer (answer_text.cpp) with notes and warnings, and between
 // them, where more text is asked for, one line per matter and tables where figures stand side by
-// side. There, what was not computed is a dash or left out. The table of mesh and exact
-// union takes its figures from the description that the JSON is made of.
+// side. There, what was not computed is a dash or left out. The table of mesh and exact union takes
+// its figures from the description that the JSON is made of.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -192,11 +192,6 @@ void exact_text(Text out, const ExactReport& exact) {
   } else if (exact.counts) {
     text += fmt::format("; {} hidden atoms; of the topology, counts alone",
                         exact.counts->hidden_spheres);
-  } else if (exact.doubtful_spheres.value_or(0) > 0) {
-    text += fmt::format(
-        "; topology not counted, because rounding might decide about {} atoms; --topology on is "
-        "exact",
-        *exact.doubtful_spheres);
   } else {
     text += "; topology not computed";
   }

@@ -95,17 +95,18 @@ def residue_areas(
     atoms = atoms_of(coords)
     if atoms.residues is None or atoms.resnames is None:
         raise InvalidInput("coords: has no residues; give a molecule, or sasa(..., mode='residue', groups=...)")
+    named = None if radii is None else os.fspath(radii)
     areas = sasa(
-        atoms, radii, probe=probe, mode="residue", groups=_plain(atoms.residues), threads=threads, device=device
+        atoms, named, probe=probe, mode="residue", groups=_plain(atoms.residues), threads=threads, device=device
     )
     if areas.ndim != 1:
         raise InvalidInput("coords: has several frames; sasa(..., mode='residue') takes them")
     numbers, count = numbered(_plain(atoms.residues), len(atoms.resnames))
     first = np.unique(numbers, return_index=True)[1]
     resnames = _texts(atoms.resnames)[first]
-    chosen = os.fspath(radii) if radii is not None else coords.radius_set if isinstance(coords, Molecule) else "bondi"
+    radius_set = named or (coords.radius_set if isinstance(coords, Molecule) else "bondi")
     is_comparable = number("probe", probe) == _core.reference_probe
-    references = [_core.reference_area(chosen, raw(name)) if is_comparable else None for name in resnames]
+    references = [_core.reference_area(radius_set, raw(name)) if is_comparable else None for name in resnames]
     return ResidueAreas(
         chains=_texts(atoms.chains, count, first),
         resids=np.char.add(_texts(atoms.resids, count, first), _texts(atoms.icodes, count, first)),
@@ -117,7 +118,7 @@ def residue_areas(
 
 
 def _plain(labels: Any) -> list[Any]:
-    return labels.tolist() if isinstance(labels, np.ndarray) else list(labels)
+    return list(labels.tolist() if isinstance(labels, np.ndarray) else labels)
 
 
 def _texts(column: Any, count: int = 0, rows: Any = slice(None)) -> Strings:

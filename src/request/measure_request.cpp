@@ -1,4 +1,5 @@
-// The rules of the exact measures: which probe a surface has, and which methods know the topology.
+// The rules of the exact measures: which probe a surface has, which radii are those of no solvent,
+// and which methods know the topology.
 #include "request/measure_request.hpp"
 
 #include "excluded/excluded_measures.hpp"

@@ -139,7 +139,6 @@ class ForeignReaders(ProgramTest):
         vtk = {name: need_package("python3-vtk9", module="vtkmodules." + name) for name in names}
         self.check(VTK_FORMATS, lambda path, extension: read_by_vtk(vtk, path, extension))
 
-
     def test_assimp(self):
         assimp = need_package("assimp-utils", program="assimp")
         self.check(ASSIMP_FORMATS, lambda path, _: read_by_assimp(assimp, path))

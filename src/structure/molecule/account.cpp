@@ -103,6 +103,19 @@ void warn_of_units(const Sites& sites, Molecule& molecule) {
         fmt::format("atoms of a residue are {:.3g} Å apart, {}", usual, looks));
 }
 
+// Selects all but the chain of the atom, or but its residue, or but itself, whichever of these the
+// other atom is not in.
+std::string selection_without(const Site& atom, const Site& other) {
+  const std::string &chain = atom.place->chain->name, residue = atom.place->residue->seqid.str();
+  if (chain != other.place->chain->name && !chain.empty())
+    return fmt::format("not chain {}", chain);
+  const std::string within = chain.empty() ? "" : fmt::format("chain {} and ", chain);
+  const std::string name = atom.place == other.place
+                               ? fmt::format(" and name {}", atom.atom->name.view())
+                               : std::string();
+  return fmt::format("not ({}resi {}{})", within, residue, name);
+}
+
 void warn_of_common_places(const Sites& sites, const ReadOptions& options, Molecule& molecule) {
   const auto key = [](const Site* site) {
     const Vec3d& p = site->atom->position;
@@ -121,15 +134,11 @@ void warn_of_common_places(const Sites& sites, const ReadOptions& options, Molec
     if (!second || sorted[i]->atom < second->atom) first = sorted[i - 1], second = sorted[i];
   }
   if (count == 0) return;
-  const std::string& chain = second->place->chain->name;
-  std::string remedy = fmt::format("--select 'not chain {}'", chain);
+  std::string remedy = fmt::format("--select '{}'", selection_without(*second, *first));
   if (options.model == "all" && first->place->model != second->place->model)
     remedy = "--model first";
   else if (options.altloc == "all")
     remedy = "--altloc highest";
-  else if (first->place->chain == second->place->chain)
-    remedy = fmt::format("--select 'not (chain {} and resi {})'", chain,
-                         second->place->residue->seqid.str());
   molecule.warnings.push_back(
       fmt::format("{} atoms lie where another one does, the first {} with {}; {} leaves such out",
                   count, name_of(*second), name_of(*first), remedy));
@@ -139,17 +148,21 @@ void warn_of_common_places(const Sites& sites, const ReadOptions& options, Molec
 void warn_of_trace(const Sites& sites, Molecule& molecule) {
   constexpr std::size_t kFew = 8;  // residues
   std::size_t residues = 0, single = 0;
+  std::string_view of_trace;
   for_each_residue(sites, [&](auto first, auto last) {
-    if (kind_of_residue(first->place->residue->name) == ResidueKind::other) return;
+    const ResidueKind kind = kind_of_residue(first->place->residue->name);
+    if (kind != ResidueKind::protein && kind != ResidueKind::nucleic) return;
     ++residues;
     const std::string_view name = first->atom->name.view();
-    if (last - first == 1 && (name == "CA" || name == "P")) ++single;
+    if (last - first != 1 || (name != "CA" && name != "P")) return;
+    ++single;
+    of_trace = name;
   });
   if (residues < kFew || single != residues) return;
   molecule.warnings.push_back(fmt::format(
       "each of the {} residues has its {} alone: this is a trace of the chain, and no surface of "
       "its atoms; --radii bondi,FILE with lines RESIDUE ATOM RADIUS makes beads of them",
-      residues, sites.front().atom->name.view()));
+      residues, of_trace));
 }
 
 void note_hydrogens(const Sites& sites, const ReadOptions& options, const RadiusTable& table,

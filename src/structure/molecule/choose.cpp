@@ -217,9 +217,10 @@ class Choice {
     const std::string capitals = upper_case(selection);
     const bool is_small = is_in_words(selection) && capitals != selection &&
                           std::ranges::any_of(sites, test_in_words(capitals));
-    return fmt::format("{}; there are {}{}",
+    const std::string there = names_of_what_is_there(sites);
+    return fmt::format("{}{}{}",
                        is_small ? fmt::format("; {} matches some", in_quotes(capitals)) : "",
-                       names_of_what_is_there(sites),
+                       there.empty() ? "" : "; there are " + there,
                        molecule_.skipped.contains("waters") ? "; --waters keeps the waters" : "");
   }
 
