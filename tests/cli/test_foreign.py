@@ -197,7 +197,7 @@ class ForeignReaders(ProgramTest):
         path, geo, json_path = self.folder / "g.msh", self.folder / "g.geo", self.folder / "g.json"
         self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *SURFACES["crease-exact"])
         mesh = parse_json(json_path.read_text())["mesh"]
-        geo.write_text(f'Merge "{path}";\nSurface Loop(1) = Surface{{:}};\nVolume(1) = {{1}};\n')
+        geo.write_text(f'Merge "{path}";\nSurface Loop(1) = Surface{{:}};\nVolume(1) = {{1}};\nPhysical Volume(1) = {{1}};\n')
         out = self.folder / "v.msh"
         told = subprocess.run([gmsh, geo, "-3", "-format", "msh22", "-o", out], capture_output=True, text=True, timeout=300)
         self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
