@@ -29,11 +29,12 @@ std::string small_file() {
                                                  {"HETATM", "FE  ", "HEM", 'B', 200, ' ', "FE"},
                                                  {"HETATM", "MG  ", " MG", 'B', 201, ' ', "MG"},
                                                  {"HETATM", " O  ", "HOH", 'B', 300, ' ', "O"}}) {
+    ++serial;
     char line[96];
     std::snprintf(line, sizeof line,
                   "%s%5d %s %s %c%4d%c   %8.3f%8.3f%8.3f  1.00  0.00          %2s\n", r.record,
-                  ++serial, r.name, r.residue, r.chain, r.number, r.insertion, 5.0 * serial, 0.0,
-                  0.0, r.element);
+                  serial, r.name, r.residue, r.chain, r.number, r.insertion, 5.0 * serial, 0.0, 0.0,
+                  r.element);
     text += line;
   }
   return text;
