@@ -36,7 +36,7 @@ struct DistanceChoice {
 };
 
 enum class Progress { terminal_only, always, never };
-enum class Verbosity { normal, quiet };
+enum class Verbosity { normal, quiet, verbose };
 
 struct MachineOptions {
   Backend backend = Backend::automatic;

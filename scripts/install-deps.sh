@@ -31,7 +31,7 @@ for group in "$@"; do
   case $group in
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
     witnesses)
-      packages+=(python3-vtk9 assimp-utils admesh python3-gudhi voronota python3-ase python3-biopython
+      packages+=(python3-vtk9 assimp-utils admesh tetgen gmsh python3-gudhi voronota python3-ase python3-biopython
       python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d
       parallel snakemake python3-dask python3-mpi4py python3-torch) ;;
     docs) packages+=(doxygen python3-markdown) ;;

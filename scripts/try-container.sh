@@ -63,7 +63,7 @@ used+=("$built")
 inside() { buildah run "$built" -- "$@"; }
 inside vdwmesh --version
 inside vdwmesh report --sample ubiquitin > "$work/report.txt"
-grep -E '^(Area|Volume|Tunnels)' "$work/report.txt"
+grep -E '^(Area|Volume|Topology)' "$work/report.txt"
 inside vdwmesh render --sample bpti --edge-length 1 -o /tmp/bpti.png --quiet
 inside python3 -c 'import vdwmesh; print("Python:", round(vdwmesh.exact(vdwmesh.sample("ubiquitin")).area, 3), "Å²")'
 for compiler in cc gcc g++ cmake; do

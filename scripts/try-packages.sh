@@ -83,7 +83,7 @@ done
 begin=$(seconds)
 inside vdwmesh --version
 inside vdwmesh report --sample ubiquitin > "$work/report.txt"
-grep -E '^(Area|Volume|Tunnels)' "$work/report.txt"
+grep -E '^(Area|Volume|Topology)' "$work/report.txt"
 told "$begin" "vdwmesh report --sample ubiquitin"
 # Without what draws, which is recommended only, a picture is refused in a line; with it there is one.
 refused=0

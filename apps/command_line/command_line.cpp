@@ -13,6 +13,7 @@
 #include "build_id.hpp"
 #include "command_line/help.hpp"
 #include "command_line/option_list.hpp"
+#include "command_line/other_words.hpp"
 #include "core/errors.hpp"
 #include "mesh/mesh_io.hpp"
 #include "report/output.hpp"
@@ -42,6 +43,9 @@ const Verb& take_verb(const Program& program, Words& words) {
   if (verb == program.verbs.end()) {
     WordViews known;
     for (const Verb& one : program.verbs) known.push_back(one.name);
+    const std::string advice =
+        advice_on_verb(program.name, {words.begin() + !words.empty(), words.end()}, given);
+    refuse_if(!advice.empty(), "{}: not a verb{}", given, advice);
     const std::string what =
         given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);
     // A file alone is what people type who do not know verbs yet.
@@ -84,6 +88,7 @@ class Reading {
   // CLI11 leaves what it does not know; which word that is, and what may have been meant, is said
   // here.
   void split(Words words) {
+    words_ = words;
     std::ranges::reverse(words);  // as CLI11 takes them
     try {
       app_.parse(words);
@@ -164,6 +169,10 @@ class Reading {
     for (const OptionGroup& group : groups_) {
       for (const Option& option : group.options) known.push_back(option.long_name());
     }
+    const std::string advice =
+        advice_on_option(fmt::format("{} {}", program_.name, verb_.name), words_, name, known);
+    refuse_if(!advice.empty(), "{}: not an option of {} {}{}", name, program_.name, verb_.name,
+              advice);
     const bool is_mesh = name == "-o" || name == "--output";
     refuse("{}: not an option of {} {}{}{}", name, program_.name, verb_.name,
            is_mesh ? fmt::format("; it writes no mesh, {} mesh does", program_.name)
@@ -186,6 +195,7 @@ class Reading {
   const Program& program_;
   const Verb& verb_;
   const std::vector<OptionGroup>& groups_;
+  Words words_;  // as they were typed
   CLI::App app_;
   std::map<std::string, CLI::Option*> added_;
 };

@@ -138,6 +138,8 @@ std::vector<Option> input_options(Draft& d) {
        "built-in structures in place of INPUT: ubiquitin, bpti"},
       {"--format", kStructures, one(r.format, named<StructureFormat>()),
        "of INPUT, where its name does not tell"},
+      {"--units", kStructures, one(r.unit, named<LengthUnit>()),
+       "of the coordinates in INPUT, where a program wrote others", otherwise("angstrom")},
       {"--radii", kStructures,
        one(r.radii, text("SET|FILE", {"bondi", "alvarez", "protor", "naccess", "oons"})),
        "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
@@ -159,8 +161,8 @@ std::vector<Option> input_options(Draft& d) {
       {"--assembly", kStructures, one(r.assembly, text("NAME", {"asymmetric"})),
        "biological assembly of the file, such as 1", by_default("asymmetric")},
       {"--select", kStructures, one(r.select, text("SELECTION")),
-       "only these atoms, such as A (a chain), A/10-40 (residues), A/10/CA or (HEM): "
-       "a selection of gemmi, after the water rule",
+       "only these atoms, such as 'chain A and not hydrogen', 'resi 10-40', 'ligand', or in "
+       "gemmi's syntax A/10-40/CA or (HEM); after the water rule",
        otherwise("everything")},
       {"--altloc", kStructures, one(r.altloc, text("LABEL", {"highest", "all"})),
        "alternate locations: highest (by occupancy), a label where there is one, or all at once",
@@ -307,6 +309,8 @@ std::vector<Option> machine_options(Draft& d) {
        "for example 8G; a run that needs more is refused", otherwise("80 % of what is free")},
       {"--quiet", kStructures, flag(m.verbosity, Verbosity::quiet),
        "no text on standard output, no progress", no_default(), "--progress"},
+      {"--verbose", kReports | kInterface | kRanks, flag(m.verbosity, Verbosity::verbose),
+       "more text: parameters, counts, quality, proof and times", no_default(), "--quiet"},
       {"--progress", kStructures, flag(m.progress, Progress::always),
        "progress bars even where standard error is no terminal"}};
 }
@@ -354,8 +358,8 @@ std::vector<Option> output_options(Draft& d) {
   Options& o = d.options;
   return {
       {"-o,--output", kMesh, one(o.mesh_path, text("FILE"), Use::writes),
-       "mesh file: .ply .obj .off .stl or .glb",
-       required("name the mesh file to write (.ply .obj .off .stl .glb)")},
+       "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh) or .vtp (ParaView)",
+       required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp)")},
       {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file, which all ranks write: .ply or .vtkhdf",
        required("name the mesh file to write (.ply .vtkhdf)")},
@@ -418,24 +422,21 @@ std::vector<Option> output_options(Draft& d) {
 }
 
 // What --help lists of verbs that take structures; --help-all lists the others too.
-constexpr std::string_view kUsual[] = {
-    "--mesher",   "--subdivide",   "--repeat",      "--csv",     "MESH",
-    "INPUT",      "--sample",      "--radii",       "--probe",   "--assembly",
-    "--select",   "--surface",     "--edge-length", "--spacing", "--measure",
-    "--topology", "--picture",     "--color",       "--view",    "--json",
-    "-o",         "--per-atom",    "--voids",       "--verb",    "--backend",
-    "--threads",  "--memory-limit"};
+constexpr std::string_view kUsual[] = {"--mesher",      "--subdivide",    "--repeat",  "--csv",
+                                       "MESH",          "INPUT",          "--sample",  "--radii",
+                                       "--probe",       "--assembly",     "--select",  "--surface",
+                                       "--edge-length", "--spacing",      "--measure", "--topology",
+                                       "--picture",     "--color",        "--json",    "-o",
+                                       "--per-atom",    "--voids",        "--verb",    "--backend",
+                                       "--threads",     "--memory-limit", "--verbose"};
 
 // Options of verbs that take structures which are read and not shown.
 constexpr std::string_view kUnseen[] = {
     "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
     "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
     "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
-    "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
-    "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
-    "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
-    "--edge-lengths", "--relative-edge", "--padding",    "--project",    "--scan",
-    "--shell",        "--from",          "--sums"};
+    "--edge-lengths", "--relative-edge", "--padding",    "--progress",   "--project",
+    "--scan",         "--shell",         "--from",       "--sums"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

@@ -219,7 +219,9 @@ void extrapolate(MeshReport& mesh);
 void add_warnings(Report& report);
 
 std::string to_json(const Report& report);
-std::string to_text(const Report& report);
+// The answer in about ten lines, with notes and warnings; all that the report has with
+// Verbosity::verbose.
+std::string to_text(const Report& report, Verbosity verbosity);
 // The lines of to_text() about the picture, its times, and its notes and warnings.
 std::string picture_text(const PictureReport& picture);
 std::string timing_text(const Timing& timing);

@@ -20,11 +20,6 @@ void distribution_row(Text out, std::string_view label, const Distribution& d,
                  d.p01, d.median, d.p99, d.max, unit.empty() ? "" : "  ", unit);
 }
 
-std::string self_intersections_text(const MeshReport& mesh) {
-  return mesh.self_intersections ? fmt::format("{} self-intersections", *mesh.self_intersections)
-                                 : "self-intersections not computed";
-}
-
 // Relative differences: the figures themselves are those of the table above.
 std::string cgal_text(const MeshReport& mesh) {
   const CgalMeasures& cgal = *mesh.cgal;
@@ -99,15 +94,22 @@ std::string topology_text(const ComparisonReport& comparison) {
 
 }  // namespace
 
+std::string mesh_line(const MeshReport& mesh) {
+  const MeshTopology& topology = mesh.topology;
+  return fmt::format(
+      "{} vertices, {} triangles; {}, {}, {}{}{}", topology.vertices, topology.triangles,
+      affirmed(topology.closed, "closed"), affirmed(topology.manifold, "2-manifold"),
+      affirmed(topology.oriented, "oriented"),
+      mesh.self_intersections ? fmt::format("; {} self-intersections", *mesh.self_intersections)
+                              : "",
+      mesh.path ? "; " + *mesh.path : "");
+}
+
 // A reader who trusts nothing finds here all that speaks for the mesh, or against it.
 void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& mesh) {
   fmt::format_to(out, "\n");
   const MeshProof& proof = *comparison.proof;
-  line(out, "Proof",
-       fmt::format("{}; {}, {}, {}; {}", topology_text(comparison),
-                   affirmed(mesh.topology.closed, "closed"),
-                   affirmed(mesh.topology.manifold, "2-manifold"),
-                   affirmed(mesh.topology.oriented, "oriented"), self_intersections_text(mesh)));
+  line(out, "Proof", topology_text(comparison));
   if (proof.atoms) {
     line(out, "",
          fmt::format("area of an atom: {:.3g} % off at most ({}), rms {:.3g} %; {} atoms with 1 Å² "
@@ -136,15 +138,8 @@ void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& 
 
 // What the mesh is, how it was made, and how good its triangles are.
 void mesh_text(Text out, const MeshReport& mesh) {
-  const MeshTopology& topology = mesh.topology;
   fmt::format_to(out, "\n");
-  if (mesh.path) line(out, "Mesh file", *mesh.path);
-  line(out, "Mesh",
-       fmt::format("{} vertices, {} triangles; {}, {}, {}", topology.vertices, topology.triangles,
-                   affirmed(topology.closed, "closed"), affirmed(topology.manifold, "2-manifold"),
-                   affirmed(topology.oriented, "oriented")));
-  std::string counts = fmt::format("{} degenerate triangles, {}", mesh.quality.degenerate_triangles,
-                                   self_intersections_text(mesh));
+  std::string counts = fmt::format("{} degenerate triangles", mesh.quality.degenerate_triangles);
   if (mesh.clamped_vertices) {
     counts += fmt::format(", {} clamped vertices", *mesh.clamped_vertices);
   }
@@ -153,7 +148,7 @@ void mesh_text(Text out, const MeshReport& mesh) {
                           mesh.arrangement->pieces, mesh.arrangement->corners);
   }
   if (mesh.grid_clipped) counts += fmt::format(", {} cells cut by the grid", *mesh.grid_clipped);
-  line(out, "", counts);
+  line(out, "Counts", counts);
   if (mesh.patches) line(out, "Patches", patches_text(*mesh.patches));
   if (mesh.remeshing) line(out, "Remeshing", remeshing_text(*mesh.remeshing));
   if (!mesh.projection.empty()) {

@@ -1,6 +1,7 @@
-// Lays the report out for people: one line per matter, tables where figures stand side by side,
-// then notes and warnings. What was not computed is a dash or left out. The table of mesh and exact
-// union takes its figures from the description that the JSON is made of.
+// Lays the report out for people: the answer (answer_text.cpp) with notes and warnings, and between
+// them, where more text is asked for, one line per matter and tables where figures stand side by
+// side. There, what was not computed is a dash or left out. The table of mesh and exact union takes
+// its figures from the description that the JSON is made of.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,62 +23,9 @@ namespace {
 
 constexpr const char* kNotComputed = "–";
 
-std::string none_or(const std::vector<std::string>& parts) {
-  return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
-}
-
-// "1 subdivision", "2 subdivisions".
-std::string counted(std::uint64_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 std::string in_words(std::string key) {
   std::replace(key.begin(), key.end(), '_', ' ');
   return key;
-}
-
-// Reasons for which nothing was left out are not mentioned.
-std::string atoms_text(const InputReport& input) {
-  std::vector<std::string> skipped;
-  for (const auto& [reason, count] : input.skipped) {
-    if (count > 0) skipped.push_back(fmt::format("{} {}", count, in_words(reason)));
-  }
-  const std::string copies =
-      input.spheres == input.atoms_used ? "" : fmt::format("; copied to {} spheres", input.spheres);
-  return fmt::format("{} used of {} read; left out: {}{}", input.atoms_used, input.atoms_read,
-                     none_or(skipped), copies);
-}
-
-// By element, or by residue where the set goes by residue and atom; the JSON has every atom name.
-std::vector<std::string> assumed_text(const std::vector<AssumedRadius>& assumed) {
-  std::vector<std::string> parts;
-  std::map<std::string, std::uint64_t> by_residue;
-  for (const AssumedRadius& radius : assumed) {
-    if (!radius.residue_name.empty() || !radius.atom_name.empty()) {
-      by_residue[radius.residue_name] += radius.count;
-    } else {
-      parts.push_back(fmt::format("{} {} Å ({})", radius.element, radius.radius,
-                                  counted(radius.count, "atom")));
-    }
-  }
-  for (const auto& [residue, count] : by_residue) {
-    parts.push_back(fmt::format("{} by element ({})", residue, counted(count, "atom")));
-  }
-  return parts;
-}
-
-std::string radii_text(const InputReport& input) {
-  return fmt::format("{}, probe {} Å; assumed: {}", input.radius_set, input.probe,
-                     none_or(assumed_text(input.radii_assumed)));
-}
-
-void input_text(Text out, const InputReport& input) {
-  line(out, "Input",
-       fmt::format(
-           "{} ({}), model {}, {}", input.path, input.format, input.model,
-           input.assembly == "asymmetric" ? "asymmetric unit" : "assembly " + input.assembly));
-  line(out, "Atoms", atoms_text(input));
-  line(out, "Radii", radii_text(input));
 }
 
 // In words, because "vdw" and "field" say little to those who do not know the options.
@@ -244,11 +192,6 @@ void exact_text(Text out, const ExactReport& exact) {
   } else if (exact.counts) {
     text += fmt::format("; {} hidden atoms; of the topology, counts alone",
                         exact.counts->hidden_spheres);
-  } else if (exact.doubtful_spheres.value_or(0) > 0) {
-    text += fmt::format(
-        "; topology not counted, because rounding might decide about {} atoms; --topology on is "
-        "exact",
-        *exact.doubtful_spheres);
   } else {
     text += "; topology not computed";
   }
@@ -261,6 +204,10 @@ void exact_text(Text out, const ExactReport& exact) {
     text += fmt::format("; {} atoms by the reference instead of arcs", exact.fallback_spheres);
   }
   line(out, "Exact union", text);
+  if (const auto& c = exact.certificate)
+    line(
+        out, "",
+        fmt::format("{} atoms needed more than double, at most {} bits", c->wide_spheres, c->bits));
 }
 
 // The two surfaces side by side.
@@ -337,26 +284,6 @@ void interfaces_text(Text out, std::vector<InterfaceReport> interfaces) {
     fmt::format_to(out, "and {} smaller ones, which --json lists\n", interfaces.size() - shown);
 }
 
-// The ends of the intervals with all their digits: rounded ones might not contain the value.
-void certificate_text(Text out, const UnionCertificate& certificate) {
-  line(out, "Certified",
-       fmt::format("area {} to {} Å²", certificate.area.lower, certificate.area.upper));
-  line(out, "",
-       fmt::format("volume {} to {} Å³", certificate.volume.lower, certificate.volume.upper));
-  line(out, "",
-       fmt::format("{} atoms needed more than double, at most {} bits", certificate.wide_spheres,
-                   certificate.bits));
-}
-
-// Says which figures of the table are of the chosen atoms, where --measure chose some.
-void measured_text(Text out, const InputReport& input) {
-  if (!input.measure) return;
-  line(out, "Measured",
-       fmt::format("exact area and volume of {} of {} spheres, those of {}; the others cover them, "
-                   "and all else is of all spheres",
-                   input.measured, input.spheres, *input.measure));
-}
-
 // Stages that did not run are left out.
 std::string seconds_text(const Seconds& all) {
   std::vector<std::string> parts;
@@ -404,41 +331,42 @@ std::string picture_text(const PictureReport& picture) {
   return text;
 }
 
-// In the order in which a reader asks: of what, how, with which result, and whether to trust it.
-std::string to_text(const Report& report) {
-  std::string text;
-  const Text out(text);
-  input_text(out, report.input);
+namespace {
+
+// How the figures came about, and whether to trust them.
+void details_text(Text out, const Report& report) {
   if (report.parameters) parameters_text(out, *report.parameters);
   if (report.backend) backend_text(out, *report.backend);
   if (report.exact) exact_text(out, *report.exact);
-  if (report.exact && report.exact->certificate) certificate_text(out, *report.exact->certificate);
-  if (report.exact) measured_text(out, report.input);
   if (report.excluded) excluded_text(out, *report.excluded);
+  if (report.exact || report.mesh) table_text(out, report);
+  if (report.mesh) mesh_text(out, *report.mesh);
+  if (!report.comparison) return;
+  if (report.comparison->proof) proof_text(out, *report.comparison, *report.mesh);
+  if (report.comparison->distances) distances_text(out, *report.comparison);
+  if (report.comparison->exterior) exterior_text(out, *report.comparison->exterior);
+}
+
+}  // namespace
+
+std::string to_text(const Report& report, Verbosity verbosity) {
+  std::string text;
+  const Text out(text);
+  answer_text(out, report);
   if (report.pockets) text += pocket_text(*report.pockets);
   if (report.scan) text += scan_text(*report.scan);
   if (report.shell) text += shell_text(*report.shell);
   if (report.way) text += way_text(*report.way);
-  if (report.interfaces) {
-    interfaces_text(out, *report.interfaces);
-  } else if (!(report.excluded || report.pockets || report.scan || report.shell || report.way) ||
-             report.mesh) {
-    table_text(out, report);
+  if (report.interfaces) interfaces_text(out, *report.interfaces);
+  if (verbosity == Verbosity::verbose) {
+    text += '\n';
+    details_text(out, report);
+    text += '\n';
   }
-  if (report.mesh) mesh_text(out, *report.mesh);
-  if (report.comparison && report.comparison->proof) {
-    proof_text(out, *report.comparison, *report.mesh);
-  }
-  if (report.comparison && report.comparison->distances) {
-    distances_text(out, *report.comparison);
-  }
-  if (report.comparison && report.comparison->exterior) {
-    exterior_text(out, *report.comparison->exterior);
-  }
-  text += '\n';
   if (report.picture) text += picture_text(*report.picture);
   text += remarks_text(report);
-  return text + timing_text(report.timing);
+  if (verbosity == Verbosity::verbose) text += timing_text(report.timing);
+  return text;
 }
 
 }  // namespace vdwmesh::apps

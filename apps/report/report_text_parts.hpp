@@ -37,6 +37,13 @@ inline std::string equal_or(std::optional<std::int64_t> difference) {
   return *difference == 0 ? "equal" : fmt::format("{:+}", *difference);
 }
 
+// "1 subdivision", "2 subdivisions".
+std::string counted(std::uint64_t count, std::string_view noun);
+
+// The answer: of what, by which radii, and then area, volume and topology, exactly and of the mesh.
+void answer_text(Text out, const Report& report);
+// Its size and soundness, and the file it was read from or written to.
+std::string mesh_line(const MeshReport& mesh);
 // What a mesh is, how it was made, and how good its triangles are.
 void mesh_text(Text out, const MeshReport& mesh);
 // What speaks for a mesh along the curves of the surface, or against it. The comparison has a

@@ -38,7 +38,7 @@ void VerbSession::deliver_report(const OutputOptions& output) {
   add_warnings(report);
   stop_watch();
   if (!output.json.empty()) write_output(output.json, to_json(report));
-  deliver_text(output, [&] { return to_text(report); });
+  deliver_text(output, [&] { return to_text(report, machine.verbosity); });
 }
 
 void VerbSession::deliver_text(const OutputOptions& output,

@@ -227,6 +227,8 @@ void describe_input(Molecule& molecule, const InputOptions& options, Session& se
   Report& report = session.report;
   report.input = input_of(molecule, options);
   report.notes.insert(report.notes.end(), molecule.notes.begin(), molecule.notes.end());
+  if (const std::string remark = remark_on_probe(options.probe, Door::program); !remark.empty())
+    report.notes.push_back(remark);
   report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
 }
 

@@ -183,11 +183,11 @@ bool RowWriter::is_refusal(std::string_view line) const {
 std::string settings_key(const Options& options) {
   const InputOptions& input = options.inputs.front();
   const ReadOptions& r = input.read;
-  std::string all = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", kRevision,
-                                name_of(r.format), r.model, r.assembly, r.select, r.measure,
-                                static_cast<int>(r.waters), static_cast<int>(r.hydrogens),
-                                static_cast<int>(r.hetero_atoms), r.altloc, r.radii, input.probe,
-                                name_of(options.exact.method), name_of(options.exact.topology));
+  std::string all = fmt::format(
+      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", kRevision, name_of(r.format),
+      name_of(r.unit), r.model, r.assembly, r.select, r.measure, static_cast<int>(r.waters),
+      static_cast<int>(r.hydrogens), static_cast<int>(r.hetero_atoms), r.altloc, r.radii,
+      input.probe, name_of(options.exact.method), name_of(options.exact.topology));
   for (const std::string& file : radius_files(r.radii)) {
     all += '\n' + content_of({file, std::nullopt, ""}).value_or("");
   }

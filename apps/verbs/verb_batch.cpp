@@ -267,6 +267,10 @@ void run_batch_verb(const Options& options) {
       ".xyzr, also with .gz, or --format says what all of them are",
       inputs.size() == 1 ? inputs.front().string() : "INPUT");
   file.write("");
+  if (file.is_regular() && session.machine.verbosity != Verbosity::quiet)
+    write_standard_output(fmt::format("{} {}, {} {}, written to {}\n", rows,
+                                      rows == 1 ? "row" : "rows", refused,
+                                      refused == 1 ? "error" : "errors", choice.output));
   if (refused > 0)
     throw FileFormatError(
         fmt::format("{} of {} structures were refused; their rows say why", refused, rows));

@@ -91,15 +91,17 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
       {&Timing::measure, [&] { static_cast<MeshExamination&>(result) = examine(made.mesh); }});
   if (!has_patches) warn_of_lost_balls(structure.spheres, session);
   report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
-  const bool is_ply = mesh_format(path) == MeshFormat::ply;
+  const MeshFormat format = mesh_format(path);
+  const bool is_ply = format == MeshFormat::ply;
   if (has_patches && !is_ply) {
     report.notes.push_back(
         path +
         ": does not say which patch each triangle is part of, nor curvatures; only PLY does");
   }
-  if (!made.mesh.triangle_spheres.empty() && !is_ply) {
-    report.notes.push_back(path +
-                           ": does not say which sphere each triangle is part of; only PLY does");
+  const bool has_spheres = is_ply || format == MeshFormat::msh || format == MeshFormat::vtp;
+  if (!made.mesh.triangle_spheres.empty() && !has_spheres) {
+    report.notes.push_back(
+        path + ": does not say which sphere each triangle is part of; PLY, MSH and VTP do");
   }
   result.path = path;
   session.end_stage(&Timing::write);

@@ -42,6 +42,7 @@ bool is_excluded(const std::string& surface) {
 ReadOptions read_options_of(const py::kwargs& given) {
   ReadOptions options;
   options.format = named<StructureFormat>(given, "format").value_or(StructureFormat::by_extension);
+  options.unit = named<LengthUnit>(given, "units").value_or(LengthUnit::by_format);
   options.model = given["model"].cast<std::string>();
   options.assembly = given["assembly"].cast<std::string>();
   options.radii = given["radii"].cast<std::string>();

@@ -19,11 +19,13 @@
 #include "errors.hpp"
 #include "requests.hpp"
 #include "structure/molecule/elements.hpp"
+#include "structure/molecule/residue_elements.hpp"
 #include "structure/molecule/site.hpp"
 #include "structure/radii.hpp"
 #include "structure/read/hierarchy.hpp"
 #include "structure/read/parsed_file.hpp"
 #include "structure/reader.hpp"
+#include "structure/reference_areas.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -75,7 +77,7 @@ py::dict columns_of(const Molecule& molecule) {
       "warnings"_a = messages_of(molecule.warnings), "path"_a = text_of(molecule.path),
       "format"_a = molecule.format, "model"_a = text_of(molecule.model),
       "assembly"_a = text_of(molecule.assembly), "segments"_a = column(molecule, &Atom::segment),
-      "residues"_a = residues(molecule));
+      "residues"_a = residues(molecule), "radius_set"_a = molecule.radius_set);
 }
 
 // Reads by read(options), which stops at Ctrl-C.
@@ -222,6 +224,14 @@ std::vector<std::size_t> highest_locations(const std::vector<ForeignAtom>& atoms
   return kept;
 }
 
+bool is_water(const std::string& residue) { return kind_of_residue(residue) == ResidueKind::water; }
+
+// The reference for the relative area of a residue, Å²; nothing if the set has none.
+std::optional<double> reference_area(const std::string& radius_set, const std::string& residue) {
+  const auto areas = reference_areas(radius_set, residue);
+  return areas ? std::optional(areas->total) : std::nullopt;
+}
+
 }  // namespace
 
 void bind_structures(py::module_& module) {
@@ -230,9 +240,13 @@ void bind_structures(py::module_& module) {
   module.def("read_sample", &read_builtin);
   module.def("told_element", &told_element);
   module.def("highest_locations", &highest_locations);
+  module.def("is_water", &is_water);
+  module.def("reference_area", &reference_area);
+  module.attr("reference_probe") = kReferenceProbe;
   py::class_<RadiusTable>(module, "RadiusTable")
       .def(py::init(&RadiusTable::from_list))
-      .def("find", &radius);
+      .def("find", &radius)
+      .def("is_united", &RadiusTable::has_united_atoms);
 }
 
 }  // namespace vdwmesh::python

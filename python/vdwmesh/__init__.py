@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from vdwmesh._molecule import Molecule, radii_of, read, sample
     from vdwmesh._pocket_frames import PocketFrame, pocket_frames, pocket_table
     from vdwmesh._pockets import Mouth, Pocket, pockets
+    from vdwmesh._residues import ResidueAreas, residue_areas
     from vdwmesh.errors import (
         BackendUnavailable,
         CudaError,
@@ -90,6 +91,7 @@ __all__ = [
     "Pocket",
     "PocketFrame",
     "Quality",
+    "ResidueAreas",
     "Topology",
     "TrajectoryResult",
     "UnionGradient",
@@ -110,6 +112,7 @@ __all__ = [
     "quality",
     "radii_of",
     "read",
+    "residue_areas",
     "sample",
     "sasa",
     "signed_distance",
@@ -132,6 +135,7 @@ _HOMES = {
     "_molecule": "Molecule radii_of read sample",
     "_pocket_frames": "PocketFrame pocket_frames pocket_table",
     "_pockets": "Mouth Pocket pockets",
+    "_residues": "ResidueAreas residue_areas",
     "errors": "BackendUnavailable CudaError Error FileFormatError FileMissing "
     "InternalError InvalidInput LimitExceeded",
 }

@@ -14,6 +14,25 @@ if TYPE_CHECKING:
     from vdwmesh._types import Floats, Ids, NDArray
 
 
+class Brief:
+    """Results whose text has their numbers, and of arrays and tuples the size alone."""
+
+    def __repr__(self) -> str:
+        members = vars(self).items()
+        parts = [f"{name}={_brief(value)}" for name, value in members if value is not None]
+        return f"<vdwmesh.{type(self).__name__} {', '.join(parts)}>"
+
+
+def _brief(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.7g}"
+    if isinstance(value, np.ndarray):
+        return f"array{value.shape}"
+    if isinstance(value, tuple) and len(value) > 3:
+        return f"({len(value)} values)"
+    return repr(value)
+
+
 _MOST_THREADS = 4096  # as on the command line
 _FLOAT_TYPES = (np.dtype(np.float64), np.dtype(np.float32))
 

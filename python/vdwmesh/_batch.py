@@ -12,7 +12,7 @@ from vdwmesh import _core
 from vdwmesh._arrays import number, thread_count
 from vdwmesh._measure import topology_name
 from vdwmesh._molecule import read_options
-from vdwmesh.errors import InvalidInput
+from vdwmesh.errors import InvalidInput, in_terms_of_python
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,7 @@ def batch(
     waters: bool = False,
     hydrogens: bool = True,
     hetatm: bool = True,
+    units: str | None = None,
 ) -> Iterator[BatchRow]:
     """Exact measures of many structures, one row for each, in the order of the inputs.
 
@@ -94,7 +95,7 @@ def batch(
         are, while the program's ``--shard i/n`` counts from 1.
     probe, topology, method, threads
         As of `exact`.
-    format, model, assembly, radii, select, altloc, waters, hydrogens, hetatm
+    format, model, assembly, radii, select, altloc, waters, hydrogens, hetatm, units
         As of `read`.
 
     Yields
@@ -123,7 +124,7 @@ def batch(
         [os.fspath(path) for path in inputs], part, parts, threads=workers,
         probe=grown, topology=topology_name(topology), method=method,
         **read_options(
-            format, model, assembly, radii, select, altloc,
+            format, model, assembly, radii, select, altloc, units,
             waters=waters, hydrogens=hydrogens, hetatm=hetatm,
         ),
     )  # fmt: skip
@@ -132,7 +133,9 @@ def batch(
 
 def _rows(run: _core.BatchRun, chunk: int) -> Iterator[BatchRow]:
     while rows := run.next(chunk):
-        yield from (BatchRow(**row) for row in rows)
+        for row in rows:
+            row["warnings"] = tuple(map(in_terms_of_python, row["warnings"]))
+            yield BatchRow(**row)
 
 
 def _shard(shard: Any) -> tuple[int, int]:

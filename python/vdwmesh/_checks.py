@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import file_name, floats, given_number, number, view
+from vdwmesh._arrays import Brief, file_name, floats, given_number, number, view
 from vdwmesh._mesh import Mesh
 from vdwmesh._sources import arrays_of
 from vdwmesh.errors import InvalidInput
@@ -97,8 +97,8 @@ class DistanceStatistics:
     samples: int
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Brief):
     """A mesh beside the exact union of balls.
 
     Attributes

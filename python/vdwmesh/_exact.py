@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import chosen, floats, view
+from vdwmesh._arrays import Brief, chosen, floats, view
 from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, HasCudaArray
 from vdwmesh._excluded import ExcludedMeasures, measure_excluded
 from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, as_arrays, measure
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 _FRAMES_AT_ONCE = 64  # of which the areas of all atoms are kept at a time
 
 
-@dataclass(frozen=True, eq=False)
-class UnionGradient:
+@dataclass(frozen=True, eq=False, repr=False)
+class UnionGradient(Brief):
     """Exact derivatives of the weighted sums of the atoms' areas and volumes.
 
     Attributes
@@ -46,8 +46,8 @@ class UnionGradient:
     kink_atoms: int
 
 
-@dataclass(frozen=True, eq=False)
-class ExactUnion:
+@dataclass(frozen=True, eq=False, repr=False)
+class ExactUnion(Brief):
     """Area and volume of a union of balls, from its geometry, without a mesh.
 
     Attributes

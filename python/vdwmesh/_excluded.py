@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vdwmesh import _core
-from vdwmesh._arrays import given_number, thread_count, view
+from vdwmesh._arrays import Brief, given_number, thread_count, view
 from vdwmesh._measure import topology_name
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ class ExcludedSurface:
     uncertified_patches: int
 
 
-@dataclass(frozen=True, eq=False)
-class ExcludedGradient:
+@dataclass(frozen=True, eq=False, repr=False)
+class ExcludedGradient(Brief):
     """Exact derivatives of area and volume of the complete surface.
 
     Attributes
@@ -122,8 +122,8 @@ class ExcludedGradient:
         return cls(table[:, :3], table[:, 3], table[:, 4:7], table[:, 7], *others)
 
 
-@dataclass(frozen=True, eq=False)
-class ExcludedMeasures(ExcludedSurface):
+@dataclass(frozen=True, eq=False, repr=False)
+class ExcludedMeasures(Brief, ExcludedSurface):
     """The complete surface with its cavities, the shares of atoms in it, and the exterior surface.
 
     Attributes

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterator
 import numpy as np
 
 from vdwmesh import _core, _tables
-from vdwmesh._arrays import chosen
+from vdwmesh._arrays import Brief, chosen
 from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
 from vdwmesh._excluded import measure_excluded
 from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, NDArray
 
 
-@dataclass(frozen=True, eq=False)
-class FrameResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrameResult(Brief):
     """Exact measures of one frame.
 
     Attributes
@@ -217,8 +217,8 @@ def refuse(invalid: InvalidFrame | None, part: Chunk) -> None:
     raise InvalidInput(f"traj: frame {part.numbers[invalid.frame]}{atom}: {invalid.reason}")
 
 
-@dataclass(frozen=True, eq=False)
-class TrajectoryResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrajectoryResult(Brief):
     """Exact measures of all frames of a trajectory. What was not asked for is None.
 
     Attributes

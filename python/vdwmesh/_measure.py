@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vdwmesh import _core
-from vdwmesh._arrays import given_number, thread_count, view
+from vdwmesh._arrays import Brief, given_number, thread_count, view
 from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, packed
 
 if TYPE_CHECKING:
@@ -58,8 +58,8 @@ class Void:
     lining: tuple[int, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Topology:
+@dataclass(frozen=True, eq=False, repr=False)
+class Topology(Brief):
     """Topology of a union of closed balls, exact for the coordinates given.
 
     Attributes

@@ -10,7 +10,7 @@ import numpy as np
 
 from vdwmesh import _core
 from vdwmesh._arrays import file_name, number, radius_set, refuse_masked, view
-from vdwmesh.errors import InvalidInput
+from vdwmesh.errors import InvalidInput, in_terms_of_python
 
 if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, NDArray, Strings
@@ -45,6 +45,8 @@ class Molecule:
     residues : ndarray of uint32, shape (N,)
         Tells residues of the file apart, also those of one chain, number and name. Copies in an
         assembly are told by their chains.
+    radius_set : str
+        Where the radii come from: "bondi", a file, or "file" for those of the structure file itself.
     """
 
     coords: Floats
@@ -64,6 +66,7 @@ class Molecule:
     assembly: str
     segments: Strings
     residues: NDArray[np.uint32]
+    radius_set: str = ""
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -90,7 +93,7 @@ def _molecule(columns: dict[str, Any]) -> Molecule:
     for name in _COLUMNS:
         columns[name] = view(columns[name])
     for name in ("notes", "warnings"):
-        columns[name] = tuple(columns[name])
+        columns[name] = tuple(map(in_terms_of_python, columns[name]))
     return Molecule(**{field.name: columns[field.name] for field in fields(Molecule)})
 
 
@@ -106,6 +109,7 @@ def read(
     waters: bool = False,
     hydrogens: bool = True,
     hetatm: bool = True,
+    units: str | None = None,
 ) -> Molecule:
     """Read a structure file: PDB, mmCIF, BinaryCIF, PQR or XYZR, each also gzipped.
 
@@ -125,12 +129,15 @@ def read(
         RADIUS". "bondi,mine.txt" is a set with lines of a file, of which the last one holds. Files
         of PQR and XYZR bring their own, and take no others.
     select : str, optional
-        A selection in gemmi's syntax, as "A/10-40/CA", "A/-3--1" or "A;segment=P1".
+        A selection in words, as "chain A and not hydrogen" or "resi 10-40", or in gemmi's syntax, as
+        "A/10-40/CA", "A/-3--1" or "A;segment=P1".
     altloc : str
         Which alternate locations are kept: "highest" (by occupancy), "all", or one label where
         there is one, and "highest" elsewhere.
     waters, hydrogens, hetatm : bool
         Whether these atoms are kept.
+    units : {"angstrom", "nm", "pm"}, optional
+        Of the coordinates, where a program wrote others than the format has.
 
     Returns
     -------
@@ -145,7 +152,7 @@ def read(
         No atom is left, an atom has no known radius, or the file lacks the model or assembly.
     """
     options = read_options(
-        format, model, assembly, radii, select, altloc, waters=waters, hydrogens=hydrogens, hetatm=hetatm
+        format, model, assembly, radii, select, altloc, units, waters=waters, hydrogens=hydrogens, hetatm=hetatm
     )
     if isinstance(source, (str, os.PathLike)):
         return _molecule(_core.read_file(file_name(source), **options))
@@ -165,6 +172,7 @@ def read_options(
     radii: str | os.PathLike[str] | None,
     select: str | None,
     altloc: str,
+    units: str | None,
     *,
     waters: bool,
     hydrogens: bool,
@@ -178,6 +186,7 @@ def read_options(
         "radii": b"" if radii is None else radius_set("radii", _given("radii", radii)),
         "select": raw(_given("select", select)),
         "altloc": raw(altloc),
+        "units": units or None,
         "waters": waters,
         "hydrogens": hydrogens,
         "hetatm": hetatm,
@@ -215,7 +224,7 @@ def sample(name: str = "ubiquitin", *, radii: str | os.PathLike[str] = "bondi") 
     """
     return _molecule(
         _core.read_sample(
-            name, format=None, model="first", assembly="asymmetric", radii=radius_set("radii", radii), select="",
+            name, format=None, units=None, model="first", assembly="asymmetric", radii=radius_set("radii", radii), select="",
             altloc="highest", waters=False, hydrogens=True, hetatm=True,
         )  # fmt: skip
     )
@@ -292,6 +301,10 @@ def _radius(
     found = table.find(raw(residue.strip()), raw(atom.strip()), raw(element.strip()))
     if found is not None:
         return found
+    if unknown is None and element.strip().upper() in ("H", "D") and table.is_united():
+        raise InvalidInput(
+            f"elements[{index}]: the radii of the set include the hydrogens; leave these out, as read() does"
+        )
     if unknown is None:
         raise InvalidInput(
             f"elements[{index}]: no radius is known for {element!r}; give the radii as numbers, which "

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vdwmesh import _core
-from vdwmesh._arrays import thread_count
+from vdwmesh._arrays import Brief, thread_count
 from vdwmesh._sources import arrays_of
 from vdwmesh.errors import InvalidInput
 
@@ -39,8 +39,8 @@ class Mouth:
     faces: int
 
 
-@dataclass(frozen=True)
-class Pocket:
+@dataclass(frozen=True, repr=False)
+class Pocket(Brief):
     """A pocket for the centre of the probe.
 
     Attributes

@@ -37,6 +37,9 @@ class Atoms:
     resnames: Any = None
     names: Any = None
     residues: Any = None  # one label for each atom, equal for atoms of one residue
+    chains: Any = None
+    resids: Any = None  # numbers of residues
+    icodes: Any = None  # insertion codes, where the numbers are without
     advice: str = "give radii="  # where an element is not known
 
     def untold(self, i: int) -> str:
@@ -50,11 +53,39 @@ def atoms_of(source: Any) -> Atoms:
     """The atoms of the argument `coords`, whatever it is."""
     if isinstance(source, Atoms):
         return source
+    if isinstance(source, (list, tuple)) and source and comes_from("Bio", source[0]):
+        return _with_remarks(_from_biopython(source), "Bio")
     for kind in type(source).__mro__:
         adapter = _ADAPTERS.get(kind.__module__.partition(".")[0])
         if adapter:
-            return adapter(source)
+            return _with_remarks(adapter(source), kind.__module__.partition(".")[0])
     return Atoms(coords=source)
+
+
+# How waters are left out of the objects of a package; {} are the names of the residues.
+_WITHOUT_WATERS = {
+    "Bio": "leave out residues whose id[0] is 'W'",
+    "MDAnalysis": "ag.select_atoms('not resname {}') leaves them out",
+    "biotite": "array[~numpy.isin(array.res_name, '{}'.split())] leaves them out",
+    "gemmi": "structure.remove_waters() leaves them out",
+    "mdtraj": "traj.remove_solvent() leaves them out",
+}
+
+
+def _with_remarks(atoms: Atoms, package: str) -> Atoms:
+    """Objects are measured as they are given; a warning says what a file would have been read without."""
+    if package not in _WITHOUT_WATERS or atoms.resnames is None:
+        return atoms
+    names = set(atoms.resnames)
+    waters = sorted(name for name in names if _core.is_water(raw(str(name).strip())))
+    if 0 < len(waters) < len(names):
+        count, all_names = sum(name in waters for name in atoms.resnames), " ".join(waters)
+        warnings.warn(
+            f"{count} of {len(atoms.resnames)} atoms are those of waters and are measured, while "
+            f"vdwmesh.read() leaves them out; {_WITHOUT_WATERS[package].format(all_names)}",
+            stacklevel=5,
+        )
+    return atoms
 
 
 def comes_from(package: str, thing: Any) -> bool:
@@ -143,7 +174,7 @@ def _from_vdwmesh(source: Any) -> Atoms:
     if not isinstance(source, Molecule):
         raise InvalidInput(f"coords: {type(source).__name__} has no atoms")
     found = _from_columns(source, "coords", "elements", "resnames", "names", "chains", "residues")
-    return replace(found, radii=source.radii)
+    return replace(found, radii=source.radii, chains=source.chains, resids=source.resids)
 
 
 def _from_mdanalysis(source: Any) -> Atoms:
@@ -159,10 +190,18 @@ def _from_mdanalysis(source: Any) -> Atoms:
         resnames=resnames,
         names=names,
         residues=group.resindices.tolist(),
+        chains=_first_of(group, "chainIDs", "segids"),
+        resids=getattr(group, "resids", None),
+        icodes=getattr(group, "icodes", None),
         advice="types of a force field are no elements: give "
         "u.add_TopologyAttr('elements', [...]) or radii=; atoms without mass are left out by "
         "ag.select_atoms('prop mass > 0')",
     )
+
+
+def _first_of(group: Any, *names: str) -> Any:
+    """The first of these attributes that the group has; None without any."""
+    return next((getattr(group, name) for name in names if hasattr(group, name)), None)
 
 
 def _is_guessed(group: Any, attribute: str) -> bool:
@@ -237,6 +276,8 @@ def _from_mdtraj(source: Any) -> Atoms:
         resnames=[atom.residue.name for atom in atoms],
         names=[atom.name for atom in atoms],
         residues=[atom.residue.index for atom in atoms],
+        chains=[getattr(atom.residue.chain, "chain_id", None) or atom.residue.chain.index for atom in atoms],
+        resids=[atom.residue.resSeq for atom in atoms],
         advice="virtual sites are left out by traj.atom_slice([...]), or give radii=",
     )
 
@@ -257,7 +298,13 @@ def _from_biotite(source: Any) -> Atoms:
     found = _from_columns(source, "coord", "element", "res_name", "atom_name", *place)
     columns = [np.asarray(getattr(source, name)) for name in place]
     begins = np.any([column[1:] != column[:-1] for column in columns], axis=0)
-    return replace(found, residues=np.concatenate(([0], np.cumsum(begins))).tolist())
+    return replace(
+        found,
+        residues=np.concatenate(([0], np.cumsum(begins))).tolist(),
+        chains=columns[0],
+        resids=columns[1],
+        icodes=columns[2],
+    )
 
 
 def _from_gemmi(source: Any) -> Atoms:
@@ -283,18 +330,20 @@ def _from_gemmi(source: Any) -> Atoms:
         resnames=[residue.name for _, residue, _ in found],
         names=[atom.name for atom, _, _ in found],
         residues=[id(residue) for _, residue, _ in found],  # `found` keeps each one alive
+        chains=[chain for _, _, chain in found],
+        resids=[str(residue.seqid) for _, residue, _ in found],
     )
 
 
 def _from_biopython(source: Any) -> Atoms:
-    """A Structure, whose first model is taken, or a Model, Chain or Residue of Bio.PDB, in Å.
+    """A Structure, whose first model is taken, a Model, Chain or Residue of Bio.PDB, or a list of its atoms, in Å.
 
     Bio.PDB itself chooses one of the alternate locations of an atom.
     """
-    if not hasattr(source, "get_atoms"):
+    if not isinstance(source, (list, tuple)) and not hasattr(source, "get_atoms"):
         raise InvalidInput(f"coords: Bio.PDB's {type(source).__name__} has no atoms")
     model = next(iter(source), source) if getattr(source, "level", "") == "S" else source
-    atoms = list(model.get_atoms())
+    atoms = list(model.get_atoms() if hasattr(model, "get_atoms") else model)
     residues = [atom.get_parent() for atom in atoms]
     resnames, names = [residue.get_resname() for residue in residues], [atom.get_name() for atom in atoms]
     symbols = ["" if atom.element in (None, "X") else atom.element for atom in atoms]
@@ -304,6 +353,8 @@ def _from_biopython(source: Any) -> Atoms:
         resnames=resnames,
         names=names,
         residues=[residue.get_full_id() for residue in residues],
+        chains=[residue.get_full_id()[-2] for residue in residues],
+        resids=[f"{residue.id[1]}{residue.id[2].strip()}" for residue in residues],
     )
 
 

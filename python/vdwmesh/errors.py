@@ -45,9 +45,9 @@ class InternalError(Error, RuntimeError):
 _SWITCHES = {"--waters": "waters=True", "--no-hydrogens": "hydrogens=False", "--no-hetatm": "hetatm=False"}
 _OPTION = re.compile(
     r"(?<![\w./-])--(?:waters|no-hydrogens|no-hetatm|"
-    r"(format|model|assembly|radii|select|altloc|probe|spacing|edge-length|threads|device)"
+    r"(format|model|assembly|radii|select|altloc|units|probe|spacing|edge-length|threads|device)"
     r"(?:[ =]('[^']*'|[A-Z]+\b|\d[\d.]*\b|(?:pdb|mmcif|bcif|pqr|xyzr)\b"
-    r"|(?:bondi|alvarez|protor|naccess|oons)\b(?:,[^\s;]+)?))?)(?![\w-])"
+    r"|(?:bondi|alvarez|protor|naccess|oons)\b(?:,[^\s;]+)?|(?:first|highest|nm|pm)\b))?)(?![\w-])"
 )
 
 

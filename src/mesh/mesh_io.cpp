@@ -62,7 +62,8 @@ void check_writable(const formats::MeshView& view) {
 formats::Warnings write(formats::MeshView view, MeshFormat format, ByteSink& sink) {
   check_writable(view);
   Buffer<Vec3f> normals;
-  if (view.mesh.normals.empty() && format != MeshFormat::off && format != MeshFormat::stl) {
+  if (view.mesh.normals.empty() && format != MeshFormat::off && format != MeshFormat::stl &&
+      format != MeshFormat::msh) {
     normals = normals_of_triangles(view.mesh);
   }
   view.normals = normals.empty() ? std::span(view.mesh.normals) : std::span(normals);
@@ -82,6 +83,12 @@ formats::Warnings write(formats::MeshView view, MeshFormat format, ByteSink& sin
       break;
     case MeshFormat::glb:
       formats::write_glb(view, sink, warnings);
+      break;
+    case MeshFormat::msh:
+      formats::write_msh(view, sink);
+      break;
+    case MeshFormat::vtp:
+      formats::write_vtp(view, sink);
       break;
   }
   return warnings;
@@ -176,13 +183,15 @@ std::optional<MeshFormat> find_mesh_format(const fs::path& path) {
   if (extension == ".off") return MeshFormat::off;
   if (extension == ".stl") return MeshFormat::stl;
   if (extension == ".glb") return MeshFormat::glb;
+  if (extension == ".msh") return MeshFormat::msh;
+  if (extension == ".vtp") return MeshFormat::vtp;
   return std::nullopt;
 }
 
 MeshFormat mesh_format(const fs::path& path) {
   if (const auto format = find_mesh_format(path)) return *format;
-  throw InvalidInput(fmt::format("{}: the name of a mesh file ends in .ply .obj .off .stl or .glb",
-                                 path.string()));
+  throw InvalidInput(fmt::format(
+      "{}: the name of a mesh file ends in .ply .obj .off .stl .glb .msh or .vtp", path.string()));
 }
 
 std::vector<std::string> write_mesh(const IndexedMesh& mesh, const fs::path& path,
@@ -240,6 +249,10 @@ MeshFile decode_mesh(std::string_view bytes, MeshFormat format, std::uint64_t me
       return formats::read_stl(bytes);
     case MeshFormat::glb:
       return formats::read_glb(bytes, memory_limit);
+    case MeshFormat::msh:
+    case MeshFormat::vtp:
+      throw InvalidInput(
+          ".msh and .vtp are written here and not read; .ply .stl .obj .off .glb are");
   }
   throw InvalidInput("no such mesh format");
 }

@@ -1,6 +1,6 @@
 // Reading and writing of mesh files. The extension of the name decides on the format: .ply .obj
-// .off .stl or .glb. A file that is written appears whole or not at all: it is renamed to its name
-// when it is complete.
+// .off .stl or .glb; .msh and .vtp are written alone. A file that is written appears whole or not
+// at all: it is renamed to its name when it is complete.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace vdwmesh {
 
-enum class MeshFormat { ply, obj, off, stl, glb };
+enum class MeshFormat { ply, obj, off, stl, glb, msh, vtp };
 
 // The format by the extension of `path`, whose case does not matter. Empty for other extensions.
 std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path);
@@ -31,6 +31,7 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 //   STL: binary, float32.
 //   GLB: float32 relative to the middle of the mesh, which the translation of the node restores;
 //        colours in linear light, which glTF wants, on a material that is no metal.
+//   MSH, VTP: text, with the atom of each triangle.
 // Returns warnings for people: coordinates that move by more than 1e-4 Å when they become float32
 // (STL, GLB), and triangles of which two corners become equal (STL).
 // A vertex has the colour of its atom, sphere_colors[i] for sphere i, and kPlainColor without an
@@ -60,8 +61,8 @@ struct MeshFile {
 
 // Reads a mesh file: PLY and STL in text or binary form, OBJ, OFF, GLB. Convex and concave polygons
 // become triangles. Doubles keep their precision. Throws FileFormatError with the line or byte of
-// the error, InvalidInput if the extension is unknown, and LimitExceeded if a GLB file, which may
-// name an array many times, makes a mesh of more than `memory_limit` bytes.
+// the error, InvalidInput if the extension is that of no format that is read, and LimitExceeded if
+// a GLB file, which may name an array many times, makes a mesh of more than `memory_limit` bytes.
 MeshFile read_mesh(const std::filesystem::path& path, std::uint64_t memory_limit = kNoMemoryLimit);
 
 // write_mesh() and read_mesh() with a string instead of a file.

@@ -12,7 +12,7 @@ namespace {
 
 // What the field, or another program, calls something that has another name here.
 constexpr std::pair<std::string_view, std::string_view> kSynonyms[] = {
-    {"connolly", "ses"}, {"msms", "ses"}, {"gpu", "cuda"}, {"mc", "marching-cubes"}};
+    {"msms", "ses"}, {"gpu", "cuda"}, {"mc", "marching-cubes"}};
 
 using Distances = std::vector<std::size_t>;
 

@@ -1,4 +1,5 @@
-// The rules of the exact measures: which probe a surface has, and which methods know the topology.
+// The rules of the exact measures: which probe a surface has, which radii are those of no solvent,
+// and which methods know the topology.
 #include "request/measure_request.hpp"
 
 #include "excluded/excluded_measures.hpp"
@@ -25,6 +26,14 @@ double probe_of(SurfaceChoice choice, std::optional<double> given, Door door) {
             "{}: the excluded surface needs a radius above 0",
             refused_option(door, "probe", fmt::format("{}", probe)));
   return probe;
+}
+
+std::string remark_on_probe(double probe, Door door) {
+  constexpr double kSmallest = 0.5, kLargest = 5;  // Å; helium has 1.3, fullerenes 5
+  if (probe == 0 || (probe >= kSmallest && probe <= kLargest)) return "";
+  const bool is_in_nm = probe > 0.1 && probe < 0.3;
+  return fmt::format("a probe of {:g} Å is no solvent{}; {} is water", probe,
+                     is_in_nm ? ", as if in nm" : "", option_with(door, "probe", "1.4"));
 }
 
 // Arcs are quicker, and know no more of the topology than counts. A certificate needs the

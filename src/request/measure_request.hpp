@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "cuda/backend_choice.hpp"
 #include "measures/exact_union.hpp"
@@ -24,6 +25,9 @@ constexpr ExactSurface surface_of(SurfaceChoice choice) {
 // The probe's radius, Å: `given`, or else 0 for the balls themselves and that of water for the
 // other surfaces. Throws InvalidInput if the surface needs another one.
 double probe_of(SurfaceChoice choice, std::optional<double> given, Door door);
+
+// What to say of a radius that no solvent has, with what to give instead; empty for others. Å.
+std::string remark_on_probe(double probe, Door door);
 
 // What was not said is empty.
 struct MeasureRequest {

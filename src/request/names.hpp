@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analysis/study.hpp"
+#include "core/letters.hpp"
 #include "cuda/backend_choice.hpp"
 #include "extract/field.hpp"
 #include "measures/exact_union.hpp"
@@ -36,11 +37,19 @@ constexpr auto names(const Name<T> (&all)[count]) {
 template <class T>
 inline constexpr auto kNames = nullptr;
 template <>
-inline constexpr auto kNames<SurfaceChoice> = names<SurfaceChoice>({{"vdw", SurfaceChoice::vdw},
-                                                                    {"sas", SurfaceChoice::sas},
-                                                                    {"ses", SurfaceChoice::ses},
-                                                                    {"excluded", SurfaceChoice::ses,
-                                                                     NameUse::accepted}});
+inline constexpr auto kNames<SurfaceChoice> =
+    names<SurfaceChoice>({{"vdw", SurfaceChoice::vdw},
+                          {"sas", SurfaceChoice::sas},
+                          {"ses", SurfaceChoice::ses},
+                          {"excluded", SurfaceChoice::ses, NameUse::accepted},
+                          {"sasa", SurfaceChoice::sas, NameUse::accepted},
+                          {"accessible", SurfaceChoice::sas, NameUse::accepted},
+                          {"solvent-accessible", SurfaceChoice::sas, NameUse::accepted},
+                          {"sesa", SurfaceChoice::ses, NameUse::accepted},
+                          {"solvent-excluded", SurfaceChoice::ses, NameUse::accepted},
+                          {"molecular", SurfaceChoice::ses, NameUse::accepted},
+                          {"connolly", SurfaceChoice::ses, NameUse::accepted},
+                          {"van-der-waals", SurfaceChoice::vdw, NameUse::accepted}});
 template <>
 inline constexpr auto kNames<ExactSurface> =
     names<ExactSurface>({{"vdw", ExactSurface::vdw}, {"excluded", ExactSurface::excluded}});
@@ -88,6 +97,14 @@ inline constexpr auto kNames<StructureFormat> =
                             {"xyzr", StructureFormat::xyzr},
                             {"ent", StructureFormat::pdb},
                             {"cif", StructureFormat::mmcif}});
+template <>
+inline constexpr auto kNames<LengthUnit> =
+    names<LengthUnit>({{"angstrom", LengthUnit::angstrom},
+                       {"nm", LengthUnit::nanometre},
+                       {"pm", LengthUnit::picometre},
+                       {"a", LengthUnit::angstrom, NameUse::accepted},
+                       {"å", LengthUnit::angstrom, NameUse::accepted},
+                       {"Å", LengthUnit::angstrom, NameUse::accepted}});
 
 template <class T>
 std::string_view name_of(T value) {
@@ -120,11 +137,12 @@ std::string suggestion(std::string_view given, std::span<const std::string_view>
 [[noreturn]] void throw_unknown_name(std::string_view option, std::string_view text,
                                      std::span<const std::string_view> known);
 
-// The inverse of name_of(). Throws InvalidInput that begins with `option` and lists the names.
+// The inverse of name_of(); capitals do not matter. Throws InvalidInput that begins with `option`
+// and lists the names.
 template <class T>
 T value_named(std::string_view option, std::string_view text) {
   for (const auto& known : kNames<T>) {
-    if (known.name == text) return known.value;
+    if (known.name == text || known.name == lower_case(text)) return known.value;
   }
   throw_unknown_name(option, text, all_names<T>());
 }

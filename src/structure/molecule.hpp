@@ -55,6 +55,13 @@ struct GuessedElement {
   std::uint64_t count;  // atoms with these three names
 };
 
+// Used atoms of the file of one kind: "protein", "nucleic acid", "water", or the name of a residue
+// of any other kind.
+struct KeptAtoms {
+  std::string kind;
+  std::uint64_t atoms = 0;
+};
+
 struct Molecule {
   std::vector<Atom> atoms;
   // `path` may be "standard input" or "sample ubiquitin"; `format` is "pdb", "mmcif", "cif" (of a
@@ -68,7 +75,8 @@ struct Molecule {
   // Atoms of the file that are in `atoms`, each counted once. An assembly may hold several copies
   // of an atom; otherwise this is atoms.size().
   std::uint64_t atoms_used = 0;
-  SkippedAtoms skipped;  // atoms_read is atoms_used plus the sum of these numbers
+  std::vector<KeptAtoms> kept;  // in the order of their first atoms; none of atoms without residues
+  SkippedAtoms skipped;         // atoms_read is atoms_used plus the sum of these numbers
   std::vector<AssumedRadius> radii_assumed;
   std::uint64_t elements_guessed = 0;  // used atoms of the file whose element comes from names
   std::vector<GuessedElement> unusual_elements_guessed;

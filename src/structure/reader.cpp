@@ -77,6 +77,21 @@ void warn_of_unfinished_line(std::string_view text, std::vector<std::string>& wa
       "last atom with it");
 }
 
+// The unit in Å.
+double size_of(LengthUnit unit) {
+  return unit == LengthUnit::nanometre ? 10 : unit == LengthUnit::picometre ? 0.01 : 1;
+}
+
+// Brings the file to Å.
+void scale(ParsedFile& file, double factor) {
+  if (factor == 1) return;
+  for (AtomRecord& atom : file.atoms) {
+    atom.position = factor * atom.position;
+    atom.radius *= factor;
+  }
+  file.farthest *= factor;
+}
+
 // Throws for the first atom whose position or radius is beyond kFarthest.
 void check_ranges(const ParsedFile& file) {
   if (file.farthest <= kFarthest && !file.own_radii) return;
@@ -112,6 +127,7 @@ ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   advance(options.monitor, 0);
   ParsedFile file = parse(text, format, name, limit, options.monitor);
+  scale(file, size_of(options.unit));
   settle_elements(file);
   advance(options.monitor, 0);
   check_ranges(file);
@@ -126,7 +142,8 @@ StructureFormat format_of(const std::filesystem::path& path, const ReadOptions& 
 // Whether the options keep every sphere of a list and mark none. Spheres have no names, chains,
 // elements or labels, so the options that drop atoms by these have no effect.
 bool keep_all_spheres(const ReadOptions& options) {
-  return options.select.empty() && options.measure.empty() && options.groups.empty() &&
+  return options.unit == LengthUnit::by_format && options.select.empty() &&
+         options.measure.empty() && options.groups.empty() &&
          listed(options.model, {"first", "all", "1"}) && options.assembly == "asymmetric" &&
          listed(options.altloc, {"highest", "all"});
 }

@@ -25,15 +25,21 @@ inline constexpr std::uint64_t kReadingFactor = 12;
 enum class Inclusion { keep, drop };
 enum class SharedAtoms { to_last_group, refused };
 
+// What a coordinate of 1 in the file stands for. Formats have one of their own, Å for all that are
+// read; programs write others into them all the same.
+enum class LengthUnit { by_format, angstrom, nanometre, picometre };
+
 // Which atoms are taken from the file, and which radii they get. The options drop atoms in this
 // order: model, waters, virtual sites, hydrogens, HETATM records, alternate locations, selection,
 // radii of zero, chains that are not in the assembly. An atom is counted for the first reason that
 // drops it.
 struct ReadOptions {
   StructureFormat format = StructureFormat::by_extension;
+  LengthUnit unit = LengthUnit::by_format;
   std::string model = "first";          // "first", "all", or a model number
   std::string assembly = "asymmetric";  // or the name of a biological assembly of the file
-  std::string select;                   // selection in gemmi's syntax ("A/10-40/CA"); "" = all
+  // Selection in gemmi's syntax ("A/10-40/CA") or in words ("chain A and not hydrogen"); "" = all.
+  std::string select;
   // Selection of the atoms to be measured, as `select`; "" = all. It drops no atom: the others stay
   // to cover these, with Atom::measured false. Chains are called as in the file, so that in an
   // assembly all copies of a selected atom are measured.

@@ -20,10 +20,10 @@ SANITIZED = "VDWMESH_SANITIZED" in os.environ  # the program, which takes more t
 DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
 
 
-# Options that help does not show, because measurements of the authors alone turn them.
+# Options that help does not show, because few need them.
 UNSEEN = {"--csv", "--sums", "--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
           "--camera", "--shading", "--antialias", "--rows", "--time-limit", "--page-triangles", "--edge-lengths",
-          "--relative-edge", "--padding", "--project", "--scan", "--shell", "--from"}  # fmt: skip
+          "--relative-edge", "--padding", "--progress", "--project", "--scan", "--shell", "--from"}  # fmt: skip
 
 
 def is_required(variable):

@@ -197,7 +197,7 @@ class ExactMesher(ProgramTest):
         self.assertEqual(len(told), 1)
         self.assertIn(f" {below} angles are below 5°, ", told[0])
         # The report has the same in the text and in the proof.
-        text, document = self.text_and_document("report", path, "--mesher", "exact", "--edge-length", "0.5")
+        text, document = self.text_and_document("report", path, "--mesher", "exact", "--edge-length", "0.5", "--verbose")
         self.assertEqual(document["mesh"]["arrangement"]["below_floor"], below)
         self.assertEqual(document["comparison"]["proof"]["below_floor"], below)
         self.assertEqual([note for note in document["notes"] if "below 5°" in note], told)

@@ -94,7 +94,7 @@ class Excluded(ProgramTest):
         self.assertGreater(complete["area"], 0)
 
     def test_the_text_has_both_surfaces(self):
-        text = self.run_ok("exact", UBIQUITIN, "--surface", "excluded").stdout
+        text = self.run_ok("exact", UBIQUITIN, "--surface", "excluded", "--verbose").stdout
         for word in ("complete", "exterior", "contact", "saddle", "concave", "Euler characteristic"):
             self.assertIn(word, text)
 
@@ -296,7 +296,7 @@ class ExcludedReport(ProgramTest):
         self.assertLess(4 * mean[0], min(mean[1:]))
 
     def test_the_text_sets_them_side_by_side(self):
-        text = self.run_ok("report", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.6").stdout
+        text = self.run_ok("report", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.6", "--verbose").stdout
         for words in ("mesh - exact", "Tunnels (genus)", "are those of the excluded surface",
                       "surface to mesh", "Hausdorff distance", "no point of the mesh is farther than"):
             self.assertIn(words, text)
@@ -334,7 +334,7 @@ class ExcludedReport(ProgramTest):
         self.assert_close(outside["mesh_to_surface"]["mean"], expected["mesh_to_surface"]["mean"], 1e-9)
         self.assertLess(outside["surface_to_mesh"]["max"], 0.1)
         self.assertGreater(beside["comparison"]["surface_to_mesh"]["max"], 0.5)
-        text = self.run_ok("compare", path, hollow, *options).stdout
+        text = self.run_ok("compare", path, hollow, *options, "--verbose").stdout
         for words in ("Mesh - exterior surface", "Euler characteristic equal", "Distance, exterior"):
             self.assertIn(words, text)
         # A mesh with the walls of the cavity is not held to be one of the exterior surface.

@@ -62,7 +62,7 @@ class Inputs(ProgramTest):
         found = self.report("exact", path, "--assembly", "1")["input"]
         self.assertEqual((found["atoms_read"], found["atoms_used"], found["spheres"]), (1, 1, 2))
         text = self.run_ok("exact", path, "--assembly", "1").stdout
-        self.assertIn("1 used of 1 read; left out: none; copied to 2 spheres", text)
+        self.assertIn("1 protein; left out: none; copied to 2 spheres", text)
 
 
 class Outputs(ProgramTest):

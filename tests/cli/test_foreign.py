@@ -139,10 +139,75 @@ class ForeignReaders(ProgramTest):
         vtk = {name: need_package("python3-vtk9", module="vtkmodules." + name) for name in names}
         self.check(VTK_FORMATS, lambda path, extension: read_by_vtk(vtk, path, extension))
 
-
     def test_assimp(self):
         assimp = need_package("assimp-utils", program="assimp")
         self.check(ASSIMP_FORMATS, lambda path, _: read_by_assimp(assimp, path))
+
+    def test_msh_and_vtp_have_the_atoms(self):
+        """As PLY, whose properties the report of a reader of ours is made of."""
+        meshio = need_package("python3-meshio", module="meshio")
+        vtk = need_package("python3-vtk9", module="vtkmodules.vtkIOXML")
+        paths = {name: self.folder / f"a.{name}" for name in ("msh", "vtp", "json")}
+        for path in (paths["msh"], paths["vtp"]):
+            self.run_ok("mesh", MOLECULE, "-o", path, "--json", paths["json"], *SURFACES["crease-exact"])
+        mesh = parse_json(paths["json"].read_text())["mesh"]
+        gmsh = meshio.read(paths["msh"])
+        self.assert_the_same(Found(gmsh.points, gmsh.get_cells_type("triangle")), mesh, "msh")
+        reader = vtk.vtkXMLPolyDataReader()
+        reader.SetFileName(str(paths["vtp"]))
+        reader.Update()
+        data = reader.GetOutput()
+        points = [data.GetPoint(i) for i in range(data.GetNumberOfPoints())]
+        self.assert_the_same(Found(points, polygons(data)), mesh, "vtp")
+        array = data.GetCellData().GetArray("atom")
+        atoms = [int(array.GetValue(i)) for i in range(array.GetNumberOfTuples())]
+        self.assertEqual([tag - 1 for tag in gmsh.get_cell_data("gmsh:physical", "triangle")], atoms)
+        self.assertEqual(len(set(atoms)), 454)  # of BPTI, all that are exposed
+        # A triangle's corners lie on the sphere of its atom.
+        centers = {i: tuple(float(line[k : k + 8]) for k in (30, 38, 46)) for i, line in enumerate(
+            line for line in MOLECULE.read_text().splitlines() if line.startswith(("ATOM", "HETATM")) and "HOH" not in line)}
+        for triangle, atom in zip(polygons(data), atoms):
+            radii = [length(tuple(a - b for a, b in zip(points[v], centers[atom]))) for v in triangle]
+            self.assertLess(max(radii) - min(radii), 1e-6)
+
+    def test_tetgen(self):
+        """It fills the surface and keeps its triangles. Binary PLY and STL it does not read."""
+        tetgen = need_package("tetgen", program="tetgen")
+        path, json_path = self.folder / "t.off", self.folder / "t.json"
+        self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *SURFACES["crease-exact"])
+        mesh = parse_json(json_path.read_text())["mesh"]
+        told = subprocess.run([tetgen, "-pYQ", path], capture_output=True, text=True, timeout=300)
+        self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
+        elements = (self.folder / "t.1.ele").read_text().split("\n")
+        nodes = [line.split() for line in (self.folder / "t.1.node").read_text().split("\n")[1:]]
+        places = {row[0]: tuple(map(float, row[1:4])) for row in nodes if len(row) >= 4 and row[0] != "#"}
+        volume = 0.0
+        for line in elements[1:]:
+            row = line.split()
+            if len(row) < 5 or row[0] == "#":
+                continue
+            a, b, c, d = (places[i] for i in row[1:5])
+            edges = [tuple(x - y for x, y in zip(p, d)) for p in (a, b, c)]
+            volume += abs(dot(edges[0], cross(edges[1], edges[2]))) / 6
+        self.assert_close(volume, mesh["volume"], 1e-5)
+
+    def test_gmsh(self):
+        """It fills the surface of a file of its own form."""
+        gmsh = need_package("gmsh", program="gmsh")
+        path, geo, json_path = self.folder / "g.msh", self.folder / "g.geo", self.folder / "g.json"
+        self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *SURFACES["crease-exact"])
+        mesh = parse_json(json_path.read_text())["mesh"]
+        geo.write_text(f'Merge "{path}";\nSurface Loop(1) = Surface{{:}};\nVolume(1) = {{1}};\nPhysical Volume(1) = {{1}};\n')
+        out = self.folder / "v.msh"
+        told = subprocess.run([gmsh, geo, "-3", "-format", "msh22", "-o", out], capture_output=True, text=True, timeout=300)
+        self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
+        meshio = need_package("python3-meshio", module="meshio")
+        volume = meshio.read(out)
+        total = 0.0
+        for cell in volume.get_cells_type("tetra"):
+            a, b, c, d = (volume.points[i] for i in cell)
+            total += abs(dot(a - d, cross(b - d, c - d))) / 6
+        self.assert_close(total, mesh["volume"], 1e-5)
 
     def test_admesh(self):
         """It reads STL, joins equal corners, and says what a printer would have to repair: nothing."""

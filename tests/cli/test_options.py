@@ -399,7 +399,7 @@ class FirstMistakes(ProgramTest):
         self.says("mesh", UBIQUITIN, "a.stl", next_step="; an output is named by -o FILE")
         self.says("exact", UBIQUITIN, "a.stl", next_step="; vdwmesh exact --help")
         self.says("report", UBIQUITIN, "-o", "a.stl", next_step="; it writes no mesh, vdwmesh mesh does;")
-        self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl or .glb")
+        self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl .glb .msh or .vtp")
         self.says("mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply", next_step="make it first")
         self.says("render", UBIQUITIN, "-o", "a.jpg", next_step="name a .png file")
 
@@ -407,7 +407,7 @@ class FirstMistakes(ProgramTest):
         self.says("exact", UBIQUITIN, "--probe", "1,4", next_step="for example --probe 1.4")
         self.says("exact", UBIQUITIN, "--prob", "1.4", next_step="did you mean --probe?")
         self.says("exact", UBIQUITIN, "--radii", "none", next_step="bondi, alvarez, protor, naccess, oons")
-        self.says("exact", UBIQUITIN, "--select", "chain A", next_step="A/10-40 are residues of chain A")
+        self.says("exact", UBIQUITIN, "--select", "chain A resi 1", next_step="chain A and resi 10-40")
         self.says("exact", UBIQUITIN, "--surface", "grid", next_step="choose vdw, sas or ses")
         self.says("mesh", UBIQUITIN, "-o", "a.ply", "--edge-length", "1", "--spacing", "1",
                   next_step="takes --spacing instead")
@@ -419,7 +419,7 @@ class FirstMistakes(ProgramTest):
     def test_help_says_how_to_begin(self):
         shown = run("--help").stdout
         begin = re.search(r"To begin, without a file: vdwmesh (.*)\n", shown)
-        self.assertIn("Tunnels (genus)", self.run_ok(*begin[1].split()).stdout)
+        self.assertIn("Topology", self.run_ok(*begin[1].split()).stdout)
 
     def test_the_mesh_comes_first(self):
         mesh = self.file("a.off", "OFF\n0 0 0\n")
@@ -464,7 +464,7 @@ class DidYouMean(ProgramTest):
         for option, typed, meant in (("--field", "vwd", "vdw"), ("--field", "inverse-square", "inverse-squared"),
                                      ("--mesher", "exakt", "exact"), ("--distances", "of", None),
                                      ("--field", "nonsense", None), ("--backend", "gpu", "cuda"),
-                                     ("--surface", "connolly", "ses"), ("--backend", "npu", None),
+                                     ("--surface", "msms", "ses"), ("--backend", "npu", None),
                                      ("--mesher", "ses", None)):  # fmt: skip
             with self.subTest(option=option, typed=typed):
                 arguments = ("report", UBIQUITIN, option, typed)
@@ -591,7 +591,7 @@ class Backends(ProgramTest):
         self.assertEqual(report["backend"]["devices"], 0)
         self.assertTrue(any("--devices 64" in note for note in report["notes"]), report["notes"])
         report = self.report("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--devices", "1")
-        self.assertEqual(report["notes"], [])
+        self.assertFalse([note for note in report["notes"] if "device" in note], report["notes"])
 
     def test_who_measures(self):
         """A device, where there is one, gives the measures of the CPU, to rounding."""

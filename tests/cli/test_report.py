@@ -139,7 +139,7 @@ class JsonReport(ProgramTest):
         touching = self.folder / "touching.xyzr"
         touching.write_text("0 0 0 1\n2 0 0 1\n")
         text = self.run_ok("exact", touching, "--topology", "counts").stdout
-        self.assertIn("topology not counted, because rounding might decide about 2 atoms", text)
+        self.assertIn("not counted, because rounding might decide about 2 atoms", text)
         exact = self.report("exact", touching, "--topology", "counts")["exact"]
         self.assertIsNone(exact["components"])
         self.assertEqual(exact["doubtful_spheres"], 2)
@@ -187,23 +187,37 @@ class OneSphere(ProgramTest):
 
 class TextReport(ProgramTest):
     def test_figures_stand_side_by_side(self):
-        text = self.run_ok("report", "--sample", "ubiquitin").stdout
+        text = self.run_ok("report", "--sample", "ubiquitin", "--verbose").stdout
         self.assertRegex(text, r"Area +\d+\.\d+ +7915\.582 +[-+]\d+\.\d+ % +Å²")
         self.assertRegex(text, r"Volume +\d+\.\d+ +6558\.607 +[-+]\d+\.\d+ % +Å³")
-        self.assertIn("602 used of 660 read; left out: 58 waters", text)
+        self.assertIn("602 protein; left out: 58 waters", text)
         self.assertIn("asymmetric unit", text)
         self.assertIn("closed, 2-manifold, oriented", text)
         self.assertNotIn("NOT", text)
         for line in text.splitlines():
             self.assertEqual(line, line.rstrip())
 
+    def test_the_answer_stands_first_and_is_short(self):
+        for arguments in (("exact", UBIQUITIN), ("report", UBIQUITIN, "--radii", "protor", "--probe", "1.4"),
+                          ("exact", UBIQUITIN, "--surface", "ses")):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                lines = self.run_ok(*arguments).stdout.splitlines()
+                labels = [line[:12].strip() for line in lines]
+                self.assertLessEqual(len(lines), 11)
+                self.assertEqual(labels[:6], ["Structure", "Atoms", "Radii", "Area", "Volume", "Topology"])
+                for line in lines:
+                    self.assertNotRegex(line, " –|- -|  -")
+
     def assert_text_is_json(self, arguments, kinds):
-        report = text_report.TextReport(*self.text_and_document(*arguments))
+        report = text_report.TextReport(*self.text_and_document(*arguments, "--verbose"))
         self.assertEqual(report.problems, [])
         self.assertLessEqual(set(kinds), report.seen)
+        brief = text_report.TextReport(*self.text_and_document(*arguments))
+        self.assertEqual(brief.problems, [])
+        self.assertLess(len(brief.seen), len(report.seen))
 
     def test_every_number_is_the_documents(self):
-        always = {"Input", "Atoms", "Radii", "Area", "Volume", "Voids", "Time (s)", "CPU (s)"}
+        always = {"Structure", "Atoms", "Radii", "Area", "Volume", "Voids", "Time (s)", "CPU (s)"}
         mesh = always | {"Mesh", "Smallest angle", "Aspect ratio", "Edge length"}
         whole = mesh | {"Exact union", "Euler characteristic", "mesh to surface", "surface to mesh", "Hausdorff"}
         out = self.folder / "a.ply"
@@ -235,7 +249,7 @@ class TextReport(ProgramTest):
             (("exact", ligands, "--radii", "naccess"), always | {"unclassified area"}),
             (("exact", spheres, "--certify"), always | {"Exact union", "Certified"}),
             (("mesh", cut, "-o", out, "--devices", "2"), mesh),
-            (("compare", open_mesh, ball), whole | {"Mesh file", "WARNING"}),
+            (("compare", open_mesh, ball), whole | {"WARNING"}),
         ):  # fmt: skip
             with self.subTest(arguments=arguments):
                 self.assert_text_is_json(arguments, kinds)

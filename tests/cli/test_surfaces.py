@@ -82,7 +82,7 @@ class Presets(ProgramTest):
                 self.assertEqual((parameters["mesher"], parameters["mesher_reason"]), (mesher, reason))
         excluded = self.report("report", "--sample", "bpti", *quick[:2], "--surface", "excluded")["parameters"]
         self.assertEqual((excluded["mesher"], excluded["mesher_reason"]), ("exact", "--surface"))
-        text = self.run_ok("report", "--sample", "bpti", *quick, "--spacing", "0.6").stdout
+        text = self.run_ok("report", "--sample", "bpti", *quick, "--spacing", "0.6", "--verbose").stdout
         self.assertIn("marching cubes (of --spacing)", text)
 
     def test_every_field_closes(self):

@@ -136,6 +136,52 @@ class SourcesTest(unittest.TestCase):
         part = self.universe(names=["CA", "N"], elements=["Ca", ""])
         self.assert_elements(part, ["Ca", "N"])
 
+    def assert_told_of_waters(self, source, remedy):
+        with self.assertWarnsRegex(UserWarning, f"58 of 660 atoms are those of waters and are measured.*{remedy}"):
+            found = vdwmesh.exact(source)
+        expected = vdwmesh.exact(vdwmesh.read(UBIQUITIN, waters=True))
+        self.assertAlmostEqual(found.area, expected.area, delta=FLOAT32 * expected.area)
+
+    def test_waters_are_measured_and_told(self):
+        MDAnalysis = need_package("python3-mdanalysis", module="MDAnalysis")
+        universe = MDAnalysis.Universe(str(UBIQUITIN))
+        self.assert_told_of_waters(universe, "not resname HOH")
+        self.assertEqual(universe.select_atoms("not resname HOH").n_atoms, len(self.molecule))
+        gemmi = need_package("python3-gemmi", module="gemmi")
+        self.assert_told_of_waters(gemmi.read_structure(str(UBIQUITIN)), "remove_waters")
+        mdtraj = need_package("python3-mdtraj", module="mdtraj")
+        trajectory = mdtraj.load(str(UBIQUITIN))
+        self.assert_told_of_waters(trajectory, "remove_solvent")
+        self.assertEqual(trajectory.remove_solvent().n_atoms, len(self.molecule))
+        need_package("python3-biopython", module="Bio")
+        from Bio.PDB import PDBParser
+        structure = PDBParser(QUIET=True).get_structure("x", str(UBIQUITIN))
+        self.assert_told_of_waters(structure, "id.0. is 'W'")
+        self.assert_same([atom for atom in structure.get_atoms() if atom.get_parent().id[0] != "W"])
+
+    def test_united_radii_want_no_hydrogens(self):
+        with self.assertRaisesRegex(ValueError, "elements.1.: the radii of the set include the hydrogens"):
+            vdwmesh.exact(self.universe(names=["N", "H"], types=["N", "H"]), "protor")
+
+    def test_residues_with_their_names(self):
+        expected = vdwmesh.residue_areas(vdwmesh.read(UBIQUITIN, radii="protor"))
+        self.assertEqual((len(expected), expected.chains[0], expected.resids[75]), (76, "A", "76"))
+        MDAnalysis = need_package("python3-mdanalysis", module="MDAnalysis")
+        gemmi = need_package("python3-gemmi", module="gemmi")
+        mdtraj = need_package("python3-mdtraj", module="mdtraj")
+        need_package("python3-biopython", module="Bio")
+        from Bio.PDB import PDBParser
+        structure = gemmi.read_structure(str(UBIQUITIN))
+        structure.remove_waters()
+        for source in (MDAnalysis.Universe(str(UBIQUITIN)).select_atoms("protein"), structure,
+                       mdtraj.load(str(UBIQUITIN)).remove_solvent(),
+                       self.without_waters(PDBParser(QUIET=True).get_structure("x", str(UBIQUITIN)))):
+            with self.subTest(type(source)):
+                found = vdwmesh.residue_areas(source, "protor")
+                self.assertEqual(found.resids.tolist(), expected.resids.tolist())
+                self.assertEqual(found.resnames.tolist(), expected.resnames.tolist())
+                np.testing.assert_allclose(found.relative, expected.relative, rtol=1e-3)
+
     ALTERNATIVES = """\
 ATOM      1  N   SER A   1       0.000   0.000   0.000  1.00 10.00           N
 ATOM      2  CA ASER A   1       1.450   0.000   0.000  0.40 10.00           C

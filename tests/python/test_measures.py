@@ -7,7 +7,7 @@ import unittest
 
 import numpy as np
 import vdwmesh
-from program import ProgramTest, need_shared
+from program import ProgramTest, need_package, need_shared
 
 ROUNDING = 1e-12  # relative: sums of a few terms in double
 
@@ -217,6 +217,40 @@ class SameAsProgramTest(ProgramTest):
         with table.open(newline="") as file:
             expected = [float(row["exact_area"]) for row in csv.DictReader(file)]
         self.assertEqual(vdwmesh.sasa(vdwmesh.read(path), mode="residue").tolist(), expected)
+
+    def test_the_table_of_residues(self):
+        path, table = need_shared("molecules/thesis/4HHB.pdb"), self.folder / "r.csv"
+        for radii in ("protor", "bondi"):
+            self.run_ok("exact", path, "--radii", radii, "--probe", 1.4, "--topology", "off", "--per-atom", table,
+                        "--group", "residue")  # fmt: skip
+            with table.open(newline="") as file:
+                rows = list(csv.DictReader(file))
+            found = vdwmesh.residue_areas(vdwmesh.read(path, radii=radii))
+            for name, column in (("chains", "chain"), ("resids", "residue_number"), ("resnames", "residue_name")):
+                self.assertEqual(getattr(found, name).tolist(), [row[column] for row in rows])
+            self.assertEqual(found.area.tolist(), [float(row["exact_area"]) for row in rows])
+            self.assertEqual(found.atoms.tolist(), [int(row["atoms"]) for row in rows])
+            relative = [float(row["relative_area"] or "nan") for row in rows]
+            np.testing.assert_allclose(found.relative, relative, rtol=1e-12)
+            self.assertEqual(radii == "bondi", bool(np.isnan(found.relative).all()))
+        self.assertEqual(list(found.to_dict()), ["chains", "resids", "resnames", "atoms", "area", "relative"])
+        pandas = need_package("python3-pandas", module="pandas")
+        frame = found.to_pandas()
+        self.assertIsInstance(frame, pandas.DataFrame)
+        self.assertEqual(len(frame), len(rows))
+
+    def test_texts_are_short(self):
+        molecule = vdwmesh.sample("ubiquitin")
+        union = vdwmesh.exact(molecule, topology=True)
+        self.assertIn("area=7915.582, ", repr(union))
+        self.assertIn("atom_area=array(602,)", repr(union))
+        for thing in (union, vdwmesh.exact(molecule, surface="ses"), vdwmesh.residue_areas(molecule), union.topology,
+                      vdwmesh.trajectory(molecule.coords[None], radii=molecule.radii), *vdwmesh.pockets(molecule, probe=1.4)[:1],
+                      vdwmesh.compare(vdwmesh.mesh(molecule, edge_length=1), molecule)):
+            with self.subTest(type(thing).__name__):
+                self.assertTrue(repr(thing).startswith(f"<vdwmesh.{type(thing).__name__} "))
+                self.assertLess(len(repr(thing)), 1200)
+                self.assertNotIn("\n", repr(thing))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@
 // MeshLab writes in another order, or OFF[+N][+A] of NanoShaper, for a normal and an atom. Normals
 // follow the position in all of them and are read; all else is skipped, as are colours of faces.
 // The keyword may be missing (Geomview), the first count may follow it without a blank (ModelNet),
-// and the count of edges may be missing. The writer makes a plain OFF.
+// and the count of edges may be missing. The writer makes a plain OFF
+// without a comment, which programs may take for the counts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -163,8 +164,7 @@ void write_off(const MeshView& view, ByteSink& sink) {
   // An estimate: three doubles of about 18 characters per vertex, three 7-digit indices per face.
   sink.expect(58 * mesh.vertex_count() + 27 * mesh.triangle_count());
   const std::string header =
-      fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n", mesh.vertex_count(),
-                  mesh.triangle_count(), count_edges(mesh));
+      fmt::format("OFF\n{} {} {}\n", mesh.vertex_count(), mesh.triangle_count(), count_edges(mesh));
   sink.write(header.data(), header.size());
   constexpr std::size_t kMostPerLine = 3 * (RecordBytes::kMostPerNumber + 1) + 2;
   write_records(sink, mesh.vertex_count(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {

@@ -23,6 +23,7 @@
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
+#include "structure/molecule/account.hpp"
 #include "structure/molecule/residue_elements.hpp"
 #include "structure/molecule/site.hpp"
 #include "structure/molecule/site_selection.hpp"
@@ -109,6 +110,8 @@ class Choice {
     else
       take_assembly();
     refuse_if_none_measured();
+    molecule_.kept = kept_by_kind(sites_);
+    note_what_looks_odd(sites_, file_, options_, table, molecule_);
     count_guesses();
     return {std::move(molecule_), std::move(copies_)};
   }
@@ -204,7 +207,27 @@ class Choice {
   void select() {
     if (options_.select.empty()) return;
     const SiteSelection selection(options_.select, file_);
+    const Sites all = sites_;
     drop("not_selected", [&](const Site& site) { return !selection.contains(site); });
+    if (sites_.empty()) refuse_selection(options_.select, all);
+  }
+
+  // What there is beside a selection that matches nothing: other atoms, and the same in capitals.
+  std::string alternatives_to(const std::string& selection, const Sites& sites) const {
+    const std::string capitals = upper_case(selection);
+    const bool is_small = is_in_words(selection) && capitals != selection &&
+                          std::ranges::any_of(sites, test_in_words(capitals));
+    const std::string there = names_of_what_is_there(sites);
+    return fmt::format("{}{}{}",
+                       is_small ? fmt::format("; {} matches some", in_quotes(capitals)) : "",
+                       there.empty() ? "" : "; there are " + there,
+                       molecule_.skipped.contains("waters") ? "; --waters keeps the waters" : "");
+  }
+
+  [[noreturn]] void refuse_selection(const std::string& selection, const Sites& sites) const {
+    throw InvalidInput(fmt::format("{}: selection {} matches none of the {} atoms in use{}",
+                                   file_.path, in_quotes(selection), sites.size(),
+                                   alternatives_to(selection, sites)));
   }
 
   // Marks the sites that are to be measured. All are if nothing else was asked for.
@@ -230,9 +253,7 @@ class Choice {
         site.atom->group = static_cast<std::int32_t>(g);
         is_empty = false;
       }
-      if (is_empty)
-        throw InvalidInput(fmt::format("{}: selection {} matches none of the {} atoms in use",
-                                       file_.path, in_quotes(options_.groups[g]), sites_.size()));
+      if (is_empty) refuse_selection(options_.groups[g], sites_);
     }
   }
 
@@ -240,9 +261,10 @@ class Choice {
   void refuse_if_none_measured() const {
     const auto is_measured = [](const Atom& atom) { return atom.measured; };
     if (std::any_of(molecule_.atoms.begin(), molecule_.atoms.end(), is_measured)) return;
-    throw InvalidInput(
-        fmt::format("{}: selection {} of the atoms to measure matches none of the {} atoms in use",
-                    file_.path, in_quotes(options_.measure), count_atoms(molecule_, copies_)));
+    throw InvalidInput(fmt::format(
+        "{}: selection {} of the atoms to measure matches none of the {} atoms in use{}",
+        file_.path, in_quotes(options_.measure), count_atoms(molecule_, copies_),
+        alternatives_to(options_.measure, sites_)));
   }
 
   // Throws if no atom is left, and lists how many each step dropped.
@@ -251,16 +273,10 @@ class Choice {
     std::string reasons;
     for (const auto& [reason, count] : molecule_.skipped)
       reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);
-    const std::string hint = molecule_.skipped.contains("not_selected")
-                                 ? fmt::format(
-                                       ": {} selected none; A/10-40 are residues of chain A, "
-                                       "and (HEM) all residues of that name",
-                                       in_quotes(options_.select))
-                                 : "";
     throw InvalidInput(
         fmt::format("{}: none of its {} atoms is left to mesh (dropped: {}); change "
-                    "the options that dropped them{}",
-                    file_.path, molecule_.atoms_read, reasons, hint));
+                    "the options that dropped them",
+                    file_.path, molecule_.atoms_read, reasons));
   }
 
   // The radii of united atoms include the hydrogens, which therefore go without being asked for.
@@ -298,22 +314,7 @@ class Choice {
       molecule_.unusual_elements_guessed.push_back(
           {std::get<0>(key), std::get<1>(key), std::get<2>(key), count});
     if (molecule_.elements_guessed != 0 && !file_.own_radii)
-      molecule_.notes.push_back(note_of_guesses());
-  }
-
-  std::string note_of_guesses() const {
-    constexpr std::size_t kMostNamed = 8;
-    const std::vector<GuessedElement>& unusual = molecule_.unusual_elements_guessed;
-    std::string named;
-    for (std::size_t i = 0; i < std::min(unusual.size(), kMostNamed); ++i)
-      named += fmt::format("{} {} (atom {} of {}, {}x)", i == 0 ? "" : ",", unusual[i].element,
-                           unusual[i].atom_name, unusual[i].residue_name, unusual[i].count);
-    if (unusual.size() > kMostNamed)
-      named += fmt::format(" and {} more", unusual.size() - kMostNamed);
-    return fmt::format(
-        "the file does not give the elements of {} atoms: they were told from the names of atoms "
-        "and residues; other than H, C, N, O, P and S:{}",
-        molecule_.elements_guessed, unusual.empty() ? " none" : named);
+      molecule_.notes.push_back(note_of_guesses(molecule_));
   }
 
   // Appends the atom of the site to the molecule.
@@ -346,6 +347,26 @@ class Choice {
     if (!std::is_sorted(sites_.begin(), sites_.end(), in_order))
       std::stable_sort(sites_.begin(), sites_.end(), in_order);
     take_all();
+    note_assembly();
+  }
+
+  // Tells of the first assembly of the file if it has other atoms than the asymmetric unit, of
+  // which nobody need have known.
+  void note_assembly() {
+    const std::vector<std::string> names = assembly_names(file_.assemblies);
+    if (names.empty()) return;
+    double atoms = 0;
+    try {
+      std::vector<bool> used(file_.atoms.size());
+      atoms = count_copies(make_recipe(file_.assemblies, names[0], file_.path), used);
+    } catch (const Error&) {
+      return;  // nobody asked for it
+    }
+    if (atoms == 0 || atoms == static_cast<double>(sites_.size())) return;
+    molecule_.notes.push_back(
+        fmt::format("assembly {} of the file has {:.0f} atoms, and {} are taken, those of the "
+                    "asymmetric unit; --assembly {} takes all of it",
+                    names[0], atoms, sites_.size(), names[0]));
   }
 
   // Each site once.

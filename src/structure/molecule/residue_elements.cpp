@@ -174,6 +174,15 @@ bool is_standard_residue(std::string_view residue) {
   return is_amino_acid(residue) || is_nucleotide(residue) || holds(kEndGroups, residue);
 }
 
+ResidueKind kind_of_residue(std::string_view residue) {
+  const std::string name = upper_case(residue);
+  if (is_named_as_water(name)) return ResidueKind::water;
+  const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(name);
+  if (is_amino_acid(name) || holds(kEndGroups, name) || info.is_amino_acid())
+    return ResidueKind::protein;
+  return is_nucleotide(name) || info.is_nucleic_acid() ? ResidueKind::nucleic : ResidueKind::other;
+}
+
 WaterName water_name(std::string_view residue) {
   if (holds(kWatersOfThePdb, residue)) return WaterName::of_the_pdb;
   if (holds(kWatersOfPrograms, residue)) return WaterName::of_a_program;

@@ -21,6 +21,12 @@ gemmi::El element_of_ion(std::string_view name, std::string_view residue);
 bool is_standard_residue(std::string_view residue);
 bool is_amino_acid(std::string_view residue);
 
+// What kind of molecule a residue is part of, by its name in any case: of the PDB, or of a force
+// field. Modified amino acids and nucleotides, and the caps of chains, are of the kind of their
+// chain.
+enum class ResidueKind : std::uint8_t { protein, nucleic, water, other };
+ResidueKind kind_of_residue(std::string_view residue);
+
 // Whose name of water the residue has. Other molecules have some of the names that are not of the
 // PDB.
 enum class WaterName : std::uint8_t { none, of_the_pdb, of_a_program, of_a_bead, of_charged_sites };

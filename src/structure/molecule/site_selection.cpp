@@ -155,6 +155,10 @@ std::string SiteSelection::read_names(std::string_view text, const ParsedFile& f
 
 SiteSelection::SiteSelection(const std::string& text, ParsedFile& file) {
   try {
+    if (is_in_words(text)) {
+      words_ = test_in_words(text);
+      return;
+    }
     gemmi::Selection names;
     selection_ = std::make_unique<gemmi::Selection>(read_names(text, file, names));
     selection_->chain_ids = names.chain_ids;
@@ -164,7 +168,8 @@ SiteSelection::SiteSelection(const std::string& text, ParsedFile& file) {
     selection_->atom_names = names.atom_names;
   } catch (const std::exception& error) {
     throw InvalidInput(
-        fmt::format("selection {} is not understood ({}); for example A/10-40/CA or /1/A,B",
+        fmt::format("selection {} is not understood ({}); for example A/10-40/CA or /1/A,B, or in "
+                    "words: chain A and resi 10-40",
                     in_quotes(text), one_line(error.what())));
   }
   if (selection_->entity_types.all) return;
@@ -186,6 +191,7 @@ bool SiteSelection::contains_chain(const Site& site) const {
 }
 
 bool SiteSelection::contains(const Site& site) const {
+  if (words_) return words_(site);
   if (!selection_->matches(*site.place->model) || !contains_chain(site) ||
       !selection_->matches(*site.place->residue))
     return false;

@@ -1,4 +1,5 @@
-// A selection of atoms in gemmi's syntax ("A/10-40/CA"), applied to the sites of a file. Internal
+// A selection of atoms, in gemmi's syntax ("A/10-40/CA") or in words ("chain A and name CA";
+// word_selection.hpp), applied to the sites of a file. Internal
 // header of this folder.
 #pragma once
 
@@ -7,6 +8,7 @@
 #include <string_view>
 
 #include "structure/molecule/site.hpp"
+#include "structure/molecule/word_selection.hpp"
 #include "structure/read/parsed_file.hpp"
 
 namespace gemmi {
@@ -32,6 +34,7 @@ class SiteSelection {
   std::string read_names(std::string_view text, const ParsedFile& file, gemmi::Selection& names);
   bool contains_chain(const Site& site) const;
 
+  SiteTest words_;  // empty for gemmi's syntax
   std::unique_ptr<gemmi::Selection> selection_;
   std::string segments_ = "*";  // a list of ids
 };

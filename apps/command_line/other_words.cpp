@@ -1,0 +1,246 @@
+// Tables of words, collected from the manuals of FreeSASA, MSMS, NanoShaper, PyMOL, MDAnalysis,
+// GROMACS and fpocket and from what their users ask. An advice is the whole command, so that it can
+// be copied.
+#include "command_line/other_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "core/letters.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+// What is typed elsewhere, without dashes and with a dash between words, and what is typed here. {}
+// stands for the value; without it the value stays where it is. "" leaves the option out, "{}" its
+// value too, and `why` says that nothing is lost.
+struct OtherWord {
+  std::string_view there, here, why = {};
+};
+
+constexpr std::string_view kExact = "the measures are exact, without points or slices to choose",
+                           kKept = "hydrogens are kept unless --no-hydrogens is given",
+                           kDropped = "waters are left out unless --waters is given",
+                           kAlone = "a structure stands alone, without an option";
+
+constexpr OtherWord kOptions[] = {
+    {"probe-radius", "--probe"},
+    {"solvent-radius", "--probe"},
+    {"probe-size", "--probe"},
+    {"probe-rad", "--probe"},
+    {"rprobe", "--probe"},
+    {"p", "--probe"},
+    {"chain", "--select 'chain {}'"},
+    {"chains", "--select 'chain {}'"},
+    {"auth-chain", "--select 'chain {}'"},
+    {"c", "--select 'chain {}'"},
+    {"drop-chain", "--select 'not chain {}'"},
+    {"dropchain", "--select 'not chain {}'"},
+    {"resi", "--select 'resi {}'"},
+    {"resid", "--select 'resi {}'"},
+    {"residue", "--select 'resi {}'"},
+    {"residues", "--select 'resi {}'"},
+    {"resn", "--select 'resn {}'"},
+    {"resname", "--select 'resn {}'"},
+    {"ligand", "--select 'resn {}'"},
+    {"selection", "--select"},
+    {"sel", "--select"},
+    {"atoms", "--select"},
+    {"per-residue", "--per-atom - --group residue"},
+    {"by-residue", "--per-atom - --group residue"},
+    {"residue-areas", "--per-atom - --group residue"},
+    {"rsa", "--per-atom - --group residue --radii protor --probe 1.4"},
+    {"separate-chains", "--per-atom - --group chain"},
+    {"chain-groups", "--per-atom - --group chain{}"},
+    {"per-chain", "--per-atom - --group chain"},
+    {"csv", "--per-atom"},
+    {"o.csv", "--per-atom"},
+    {"o.json", "--json"},
+    {"sasa", "--surface sas"},
+    {"sas", "--surface sas"},
+    {"ses", "--surface ses"},
+    {"sesa", "--surface ses"},
+    {"vdw", "--surface vdw"},
+    {"radius-set", "--radii"},
+    {"radius", "--radii"},
+    {"radii-file", "--radii"},
+    {"classifier", "--radii"},
+    {"config-file", "--radii"},
+    {"keep-water", "--waters"},
+    {"keep-waters", "--waters"},
+    {"water", "--waters"},
+    {"no-water", "", kDropped},
+    {"no-waters", "", kDropped},
+    {"remove-waters", "", kDropped},
+    {"hydrogen", "", kKept},
+    {"hydrogens", "", kKept},
+    {"no-ligands", "--no-hetatm"},
+    {"no-het", "--no-hetatm"},
+    {"join-models", "--model all"},
+    {"biounit", "--assembly"},
+    {"bioassembly", "--assembly"},
+    {"biological-assembly", "--assembly"},
+    {"grid-spacing", "--spacing"},
+    {"grid", "--spacing"},
+    {"edge", "--edge-length"},
+    {"resolution", "--edge-length"},
+    {"n-points", "{}", kExact},
+    {"n-slices", "{}", kExact},
+    {"n-sphere-points", "{}", kExact},
+    {"ndots", "{}", kExact},
+    {"shrake-rupley", "", kExact},
+    {"lee-richards", "", kExact},
+    {"n-threads", "--threads"},
+    {"nthreads", "--threads"},
+    {"cpus", "--threads"},
+    {"jobs", "--threads"},
+    {"t", "--threads"},
+    {"out", "-o"},
+    {"outfile", "-o"},
+    {"output-file", "-o"},
+    {"of", "-o"},
+    {"f", "", kAlone},
+    {"if", "", kAlone},
+    {"s", "", kAlone},
+    {"pdb", "", kAlone},
+    {"cif", "", kAlone},
+    {"input", "", kAlone},
+    {"gpu", "--backend cuda"},
+    {"cuda", "--backend cuda"},
+    {"cpu", "--backend cpu"},
+    {"nm", "--units nm"},
+    {"unit", "--units"},
+    {"cavities", "--voids -"}};
+
+constexpr OtherWord kVerbs[] = {{"sasa", "exact {} --surface sas"},
+                                {"sas", "exact {} --surface sas"},
+                                {"ses", "exact {} --surface ses"},
+                                {"sesa", "exact {} --surface ses"},
+                                {"vdw", "exact {}"},
+                                {"area", "exact {}"},
+                                {"get-area", "exact {}"},
+                                {"volume", "exact {}"},
+                                {"measure", "exact {}"},
+                                {"calc", "exact {}"},
+                                {"analyze", "report {}"},
+                                {"analyse", "report {}"},
+                                {"check", "report {}"},
+                                {"surface", "mesh {} -o mesh.ply"},
+                                {"convert", "mesh {} -o mesh.ply"},
+                                {"triangulate", "mesh {}"},
+                                {"draw", "render {} -o picture.png"},
+                                {"view", "render {} -o view.png"},
+                                {"picture", "render {} -o picture.png"},
+                                {"voids", "exact {} --voids -"},
+                                {"cavities", "exact {} --voids -"},
+                                {"pocket", "pockets {}"},
+                                {"contacts", "interface {}"},
+                                {"bsa", "interface {}"},
+                                {"buriedarea", "interface {}"},
+                                {"interfaces", "interface {}"},
+                                {"fpocket", "pockets {}"},
+                                {"residues", "exact {} --per-atom - --group residue"}};
+
+std::string in_shell(const std::string& word) {
+  constexpr std::string_view kPlain = "-_./,:=+@%";
+  const auto is_plain = [kPlain](char c) {
+    return is_letter(c) || is_digit(c) || kPlain.find(c) != kPlain.npos;
+  };
+  return std::ranges::all_of(word, is_plain) && !word.empty() ? word : fmt::format("'{}'", word);
+}
+
+std::string in_shell(std::span<const std::string> words) {
+  std::string text;
+  for (const std::string& word : words)
+    text += fmt::format("{}{}", text.empty() ? "" : " ", in_shell(word));
+  return text;
+}
+
+// "--Probe_Radius" and "probeRadius" are "probe-radius".
+std::string bare(std::string_view option) {
+  std::string name;
+  for (const char c : option.substr(std::min(option.find_first_not_of('-'), option.size()))) {
+    if (is_capital(c) && !name.empty() && is_small_letter(name.back())) name += '-';
+    name += c == '_' ? '-' : c;
+  }
+  return lower_case(name);
+}
+
+// The text with the value in place of {}, which stands between quotes where the value is shown.
+std::string filled(std::string_view text, const std::string& value) {
+  const std::size_t place = text.find("{}");
+  if (place == text.npos) return std::string(text);
+  const bool is_shown = text.find('\'') < place;
+  return fmt::format("{}{}{}", text.substr(0, place), is_shown ? value : "",
+                     text.substr(place + 2));
+}
+
+std::string_view first_word(std::string_view text) { return text.substr(0, text.find(' ')); }
+
+// "-o" is known where "--output" is.
+bool is_among(std::span<const std::string_view> known, std::string_view option) {
+  return std::ranges::find(known, option == "-o" ? "--output" : option) != known.end();
+}
+
+// What to type in place of the option, if the verb has it; of an output by the extension of its
+// value. A known option behind a single dash gets its second one.
+std::optional<OtherWord> said_here(std::string_view option, std::string_view value,
+                                   std::span<const std::string_view> known) {
+  const std::string name = bare(option);
+  const bool is_output = name == "o" || name == "output";
+  const std::string there =
+      is_output ? fmt::format("o{}", value.substr(std::min(value.rfind('.'), value.size()))) : name;
+  const auto entry = std::ranges::find(kOptions, there, &OtherWord::there);
+  if (entry != std::end(kOptions)) {
+    const std::string_view here = first_word(entry->here);
+    if (!here.starts_with('-') || is_among(known, here)) return *entry;
+  }
+  const auto same = std::ranges::find(known, fmt::format("--{}", name));
+  return same == known.end() ? std::nullopt : std::optional(OtherWord{"", *same});
+}
+
+}  // namespace
+
+std::string advice_on_option(std::string_view command, const std::vector<std::string>& words,
+                             std::string_view unknown, std::span<const std::string_view> known) {
+  std::string reasons;
+  std::vector<std::string> typed;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const bool has_value = equals != word.npos;
+    const std::string next = i + 1 < words.size() ? words[i + 1] : "",
+                      value = has_value ? word.substr(equals + 1) : next;
+    const auto here = name.starts_with('-') && !is_among(known, name)
+                          ? said_here(name, value, known)
+                          : std::nullopt;
+    if (!here) {
+      if (name == unknown) return "";
+      typed.push_back(in_shell(word));
+      continue;
+    }
+    const bool takes_value = here->here.find("{}") != here->here.npos;
+    if (takes_value && value.empty()) return fmt::format("; it is {}", first_word(here->here));
+    if (!here->why.empty()) reasons += fmt::format("; {}", here->why);
+    typed.push_back(filled(here->here, value));
+    if (takes_value && !has_value) ++i;
+    if (!takes_value && has_value) typed.push_back(in_shell(value));
+  }
+  std::erase(typed, "");
+  return fmt::format("{}; type: {} {}", reasons, command, fmt::join(typed, " "));
+}
+
+std::string advice_on_verb(std::string_view program, const std::vector<std::string>& words,
+                           std::string_view unknown) {
+  const auto entry = std::ranges::find(kVerbs, bare(unknown), &OtherWord::there);
+  if (entry == std::end(kVerbs)) return "";
+  const std::size_t place = entry->here.find(" {}");
+  const std::string given = words.empty() ? "--sample ubiquitin" : in_shell(words);
+  return fmt::format("; type: {} {} {}{}", program, entry->here.substr(0, place), given,
+                     entry->here.substr(place + 3));
+}
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,134 @@
+// Writers of two text forms for the programs that compute on a mesh or plot it: MSH 2.2 of Gmsh,
+// and VTP, the XML of VTK, which ParaView and PyVista open. Both say of each triangle which atom it
+// is part of, where the mesh knows that; VTP also its kind of patch.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "mesh/formats/formats.hpp"
+#include "mesh/formats/record_writer.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+constexpr std::size_t kMostPerLine = 8 * (RecordBytes::kMostPerNumber + 1);
+
+void write_text(ByteSink& sink, const std::string& text) { sink.write(text.data(), text.size()); }
+
+// One line for each record, of the numbers that numbers(i) returns.
+template <class Numbers>
+void write_lines(ByteSink& sink, std::size_t count, const Numbers& numbers) {
+  write_records(sink, count, kMostPerLine, [&](RecordBytes& out, std::size_t i) {
+    const auto values = numbers(i);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      out.number(values[k]);
+      out.character(k + 1 < values.size() ? ' ' : '\n');
+    }
+  });
+}
+
+std::array<double, 3> place(const IndexedMesh& mesh, std::size_t v) {
+  const Vec3d& p = mesh.positions[v];
+  return {p.x, p.y, p.z};
+}
+
+// The atom of a triangle; -1 where the mesh does not say, or the patch is not of one atom.
+std::int64_t atom_of(const MeshView& view, std::size_t t) {
+  if (view.patches) {
+    const SurfacePatch& patch = view.patches->patches[view.patches->triangle_patch[t]];
+    return patch.kind == PatchKind::contact ? static_cast<std::int64_t>(patch.atoms[0]) : -1;
+  }
+  if (view.mesh.triangle_spheres.empty()) return -1;
+  const SphereId id = view.mesh.triangle_spheres[t];
+  return id == kNoSphere ? -1 : static_cast<std::int64_t>(id);
+}
+
+// Gmsh's tags of a triangle, from 1 on: a physical group and a surface, whose borders it keeps.
+// Both are the number of the atom, or 1 without atoms. Of the excluded surface the group is the
+// kind of the patch, and the surface the patch.
+std::array<std::int64_t, 2> tags_of(const MeshView& view, std::size_t t) {
+  if (view.patches) {
+    const std::uint32_t patch = view.patches->triangle_patch[t];
+    return {static_cast<std::int64_t>(view.patches->patches[patch].kind) + 1,
+            std::int64_t{patch} + 1};
+  }
+  const std::int64_t tag = std::max<std::int64_t>(atom_of(view, t), 0) + 1;
+  return {tag, tag};
+}
+
+// One array of a VTP file; line(i) is an array of numbers.
+template <class Line>
+void write_array(ByteSink& sink, const char* attributes, std::size_t count, const Line& line) {
+  write_text(sink, fmt::format("<DataArray {} format=\"ascii\">\n", attributes));
+  write_lines(sink, count, line);
+  write_text(sink, "</DataArray>\n");
+}
+
+}  // namespace
+
+void write_msh(const MeshView& view, ByteSink& sink) {
+  const IndexedMesh& mesh = view.mesh;
+  write_text(
+      sink, fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.vertex_count()));
+  write_records(sink, mesh.vertex_count(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {
+    out.number(v + 1);
+    for (const double x : place(mesh, v)) {
+      out.character(' ');
+      out.number(x);
+    }
+    out.character('\n');
+  });
+  write_text(sink, fmt::format("$EndNodes\n$Elements\n{}\n", mesh.triangle_count()));
+  write_lines(sink, mesh.triangle_count(), [&](std::size_t t) {
+    constexpr std::int64_t kTriangleType = 2, kTags = 2;
+    const auto [group, surface] = tags_of(view, t);
+    const Triangle& corners = mesh.triangles[t];
+    return std::array<std::int64_t, 8>{static_cast<std::int64_t>(t) + 1,
+                                       kTriangleType,
+                                       kTags,
+                                       group,
+                                       surface,
+                                       std::int64_t{corners[0]} + 1,
+                                       std::int64_t{corners[1]} + 1,
+                                       std::int64_t{corners[2]} + 1};
+  });
+  write_text(sink, "$EndElements\n");
+}
+
+void write_vtp(const MeshView& view, ByteSink& sink) {
+  const IndexedMesh& mesh = view.mesh;
+  const std::size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
+  write_text(sink, fmt::format("<?xml version=\"1.0\"?>\n"
+                               "<!-- made by vdwmesh; lengths in angstrom -->\n"
+                               "<VTKFile type=\"PolyData\" version=\"1.0\" "
+                               "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+                               "<PolyData><Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\">\n"
+                               "<PointData Normals=\"normals\">\n",
+                               vertices, triangles));
+  write_array(sink, "type=\"Float32\" Name=\"normals\" NumberOfComponents=\"3\"", vertices,
+              [&](std::size_t v) {
+                const Vec3f& n = view.normals[v];
+                return std::array<float, 3>{n.x, n.y, n.z};
+              });
+  write_text(sink, "</PointData>\n<CellData Scalars=\"atom\">\n");
+  write_array(sink, "type=\"Int64\" Name=\"atom\"", triangles,
+              [&](std::size_t t) { return std::array{atom_of(view, t)}; });
+  if (view.patches)
+    write_array(sink, "type=\"Int32\" Name=\"patch_kind\"", triangles, [&](std::size_t t) {
+      return std::array{
+          static_cast<int>(view.patches->patches[view.patches->triangle_patch[t]].kind)};
+    });
+  write_text(sink, "</CellData>\n<Points>\n");
+  write_array(sink, "type=\"Float64\" NumberOfComponents=\"3\"", vertices,
+              [&](std::size_t v) { return place(mesh, v); });
+  write_text(sink, "</Points>\n<Polys>\n");
+  write_array(sink, "type=\"Int64\" Name=\"connectivity\"", triangles,
+              [&](std::size_t t) { return mesh.triangles[t]; });
+  write_array(sink, "type=\"Int64\" Name=\"offsets\"", triangles,
+              [&](std::size_t t) { return std::array{3 * t + 3}; });
+  write_text(sink, "</Polys>\n</Piece></PolyData>\n</VTKFile>\n");
+}
+
+}  // namespace vdwmesh::formats
