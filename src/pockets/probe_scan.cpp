@@ -51,8 +51,8 @@ class GraphScale {
   const double lowest_;
 };
 
-// Whether node a is the elder of node b: more clearance, which is infinite for the outside. Of
-// equal places the coordinates decide, because the numbers of nodes depend on those of the balls.
+// Whether node a is the elder of b: more clearance, which is infinite for the outside. Of equal
+// places the coordinates decide, because the numbers of nodes depend on those of the balls.
 bool is_elder(const ClearanceGraph& graph, std::uint32_t a, std::uint32_t b) {
   const auto key = [&](std::uint32_t i) {
     const auto& [place, clearance] = graph.nodes[i];
@@ -112,8 +112,7 @@ ProbeScan probe_scan(const SphereSet& atoms, double lowest, double highest, Moni
   const ClearanceGraph graph =
       clearance_graph(grown(atoms, lowest), highest - lowest, {}, monitor, memory_limit);
   const GraphScale scale(graph, lowest);
-  static_assert(kOutsideNode == 0);
-  std::vector<ScanPlace> found(graph.nodes.size());  // by node; the outside is none
+  std::vector<ScanPlace> found(graph.nodes.size());  // by node; kOutsideNode, 0, is no place
   for (std::size_t i = 1; i < found.size(); ++i) {
     found[i].center = scale.place(graph.nodes[i].place);
     found[i].radius = scale.radius(graph.nodes[i].clearance);
@@ -192,7 +191,7 @@ class WayMaker {
              double ceiling) && {
     add(start);
     for (const TreeEdge& e : edges) {
-      // The climb from the pass to the node behind, reversed, and later that to the node ahead.
+      // The climb to the node behind, reversed; below, that to the node ahead.
       std::vector<ClearPlace> down = way_up(graph_.base.balls, *e.pass, e.from_side(), ceiling);
       std::ranges::reverse(down);
       add(down);
@@ -201,8 +200,7 @@ class WayMaker {
       add(way_up(graph_.base.balls, *e.pass, e.to_side, ceiling));
     }
     way_.length = way_.points.back().along;
-    // Climbs only widen, so without a gate the start is narrowest. With one, only gates count: a
-    // start may be narrower (WayOut::bottleneck).
+    // Climbs only widen, so without a gate the start is narrowest. Else it does not count.
     way_.bottleneck = way_.points.front().radius;
     const auto narrowest = std::ranges::min_element(way_.gates, {}, &ProbeGate::radius);
     if (narrowest != way_.gates.end()) way_.bottleneck = narrowest->radius;
@@ -225,7 +223,11 @@ class WayMaker {
         if (!is_gate && center == last.center) continue;
       }
       const SphereId nearest = nearest_to(p.place);
-      way_.points.push_back({center, along, scale_.radius(p.clearance), nearest, is_gate});
+      way_.points.push_back({.center = center,
+                             .along = along,
+                             .radius = scale_.radius(p.clearance),
+                             .nearest = nearest,
+                             .is_gate = is_gate});
       way_.spheres.push_back(nearest);
     }
   }
