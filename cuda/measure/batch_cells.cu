@@ -305,8 +305,13 @@ BatchCells::BatchCells(const DeviceBatch& batch, const Stream& stream) {
   if (batch.sets > 1) set_ = DeviceArray<std::uint32_t>(batch.size, stream);
   launch("gather_spheres", gather_spheres, over(batch.size, kThreads), stream, batch, id_.data(),
          spheres_.data(), set_.data());
-  view_ = {spheres_.data(),    id_.data(), set_.data(), frames_.data(),
-           cell_start_.data(), batch.size, levels};
+  view_ = {.spheres = spheres_.data(),
+           .id = id_.data(),
+           .set = set_.data(),
+           .frames = frames_.data(),
+           .cell_start = cell_start_.data(),
+           .size = batch.size,
+           .levels = levels};
 }
 
 }  // namespace vdwmesh::measure

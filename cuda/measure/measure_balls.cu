@@ -291,7 +291,7 @@ class WarpBall {
   unsigned lane_;
   const GradientRows& gradients_;
   double gradient_ = 0;         // derivative lane / 4 of the ball's power cell
-  unsigned last_cap_ = kNoKey;  // that had a face
+  unsigned last_cap_ = kNoKey;  // the last cap that had a face
   bool has_kink_ = false;
   int near_ = 0;  // balls that overlap this one, also those for which there is no room
   bool buried_ = false, has_caps_ = false;

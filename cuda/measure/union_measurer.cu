@@ -99,7 +99,7 @@ struct HostRows {
 // The balls that the device leaves to the host, with the balls that overlap them.
 struct HostWork {
   std::vector<std::uint32_t> ids;    // in the order of list places
-  std::vector<std::uint64_t> first;  // of the neighbours of each, and the end
+  std::vector<std::uint64_t> first;  // by ball: where its neighbours begin; and the end
   std::vector<std::uint32_t> near_ids;
   std::vector<Sphere> near_spheres;
   std::vector<arcs::BallWeights> near_weights;  // if gradients are asked for
@@ -162,11 +162,11 @@ HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const Ba
     launch("take_weights", take_weights, over(total, 256), stream, near_ids.data(), total, *weights,
            near_weights.data());
   }
-  return {fetch_values(own_ids.data(), count, stream),
-          fetch_values(first.data(), first.size(), stream),
-          fetch_values(near_ids.data(), total, stream),
-          fetch_values(near_spheres.data(), total, stream),
-          fetch_values(near_weights.data(), near_weights.size(), stream)};
+  return {.ids = fetch_values(own_ids.data(), count, stream),
+          .first = fetch_values(first.data(), first.size(), stream),
+          .near_ids = fetch_values(near_ids.data(), total, stream),
+          .near_spheres = fetch_values(near_spheres.data(), total, stream),
+          .near_weights = fetch_values(near_weights.data(), near_weights.size(), stream)};
 }
 
 // Measures the work on the host. Its entries stand in the order of list places: those of a set

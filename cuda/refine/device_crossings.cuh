@@ -72,17 +72,18 @@ class CrossingFinder {
   DeviceArray<SurveyedPatch> patches_;
   DeviceArray<FloatBox> quarters_;  // Patches::kQuarters for each patch
   DeviceArray<FanState> fans_;      // by corner vertex, if patches have fans
-  DeviceArray<Vec3f> directions_;   // of these, the same in all passes
+  DeviceArray<Vec3f> directions_;   // of the fans, the same in all passes
   DeviceArray<unsigned long long> start_;
   DeviceArray<CellEntry> entries_;
   DeviceArray<std::uint8_t> dirty_;        // by cell: 1 if a patch in it must be tested
-  DeviceArray<NumberPair> pairs_;          // of patches, found by find()
+  DeviceArray<NumberPair> pairs_;          // pairs of patches, found by find()
   DeviceArray<unsigned long long> found_;  // their number, also in listed_
   std::uint64_t listed_ = 0;
-  DeviceArray<NumberPair> near_;                // of quarters whose boxes overlap
+  DeviceArray<NumberPair> near_;                // pairs of quarters whose boxes overlap
   DeviceArray<unsigned long long> near_count_;  // their number
   std::uint64_t at_once_ = 1;                   // entries whose pairs find() lists at a time
-  CrossingGrid grid_{{0, 0, 0}, 1, {1, 1, 1}, nullptr, nullptr};
+  CrossingGrid grid_{
+      .origin = {}, .per_length = 1, .cells = {1, 1, 1}, .start = nullptr, .entries = nullptr};
 };
 
 extern template class CrossingFinder<GivenPatches>;

@@ -22,7 +22,7 @@ struct EdgeWord {
 
 struct EdgeNumbersView {
   const EdgeWord* words;  // in device memory
-  std::uint64_t count;    // of words
+  std::uint64_t count;    // how many words
 
   // The word of half-edge h, read by one 8-byte load.
   __device__ EdgeWord word(std::uint64_t h) const {

@@ -114,7 +114,7 @@ __device__ bool is_regular(const ProjectedPoint& p, SphereId atom_of_ends) {
 
 // Output arrays of the two kernels for the union, besides the arrays of the mesh.
 struct MidpointOutputs {
-  MoveState* move_states;  // by edge
+  MoveState* move_states;  // by edge number
   // The lists of deferred midpoints, one per run, which need the full projection. An entry is the
   // first half-edge of the midpoint's edge, as an offset into the run. Edges are numbered in the
   // order of their first half-edges, so the edges of a run are consecutive. The list of a run
@@ -208,8 +208,11 @@ __global__ void __launch_bounds__(kThreads, 6)
         const SphereId atom = middles.atom[i];
         // What project_to_union() gives after one radial step to the sphere of the atom; the step
         // fills in position and residual.
-        ProjectedPoint p{
-            {0, 0, 0}, 0, {atom, kNoSphere, kNoSphere}, 1, ProjectionOutcome::converged};
+        ProjectedPoint p{.position = {0, 0, 0},
+                         .residual = 0,
+                         .spheres = {atom, kNoSphere, kNoSphere},
+                         .steps = 1,
+                         .outcome = ProjectionOutcome::converged};
         settled = atom != kNoSphere && step_to_own_sphere(surface.spheres[atom], middles.start[i],
                                                           middles.reach[i], balls, p);
         if (settled) {
@@ -361,11 +364,11 @@ __device__ ProjectedPoint judge_constrained(const SurfaceView& surface, const Ve
                                             const SphereId* label) {
   const double residual = label_residual(surface.spheres, label, p);
   const bool good = label[0] != kNoSphere && residual <= kProjectionTolerance;
-  return {p,
-          residual,
-          {label[0], label[1], label[2]},
-          0,
-          good ? ProjectionOutcome::converged : ProjectionOutcome::unconverged};
+  return {.position = p,
+          .residual = residual,
+          .spheres = {label[0], label[1], label[2]},
+          .steps = 0,
+          .outcome = good ? ProjectionOutcome::converged : ProjectionOutcome::unconverged};
 }
 
 // Counts the outcomes of all vertices of a mesh with labelled triangles. One thread per vertex.

@@ -13,7 +13,7 @@
 
 namespace vdwmesh {
 
-inline constexpr unsigned kTestThreads = 128;  // of a block
+inline constexpr unsigned kTestThreads = 128;  // per block
 
 // Reserves room in a list for the `mine` elements of each lane, and returns where those of the lane
 // begin. All lanes of a warp must call it together.

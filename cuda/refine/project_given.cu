@@ -175,14 +175,18 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   }
   const DeviceArray<unsigned long long> marked(1, stream.get());
   return take_back_bad_moves(
-      // All vertices are handled (from 0 on), and no list of marked vertices is kept.
+      // All vertices are handled, and no list of marked vertices is kept.
       GivenLevel{given, mesh},
-      {surface,
-       {move_states.data(), 0, marked.data(), nullptr, 0},
-       stats,
-       options.crossings,
-       options.monitor,
-       pairs_at_once},
+      {.surface = surface,
+       .move_states = {.move_states = move_states.data(),
+                       .first_handled = 0,
+                       .marked = marked.data(),
+                       .list = nullptr,
+                       .room = 0},
+       .stats = stats,
+       .crossings = options.crossings,
+       .monitor = options.monitor,
+       .pairs_at_once = pairs_at_once},
       stream);
 }
 

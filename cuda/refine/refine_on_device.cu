@@ -38,8 +38,10 @@ DeviceArray<T> grown(DeviceArray<T> from, std::uint64_t size, const Stream& stre
 // levels.
 struct GrowingMesh {
   DeviceMesh mesh;
-  std::uint64_t vertices;          // vertices that exist so far
-  DeviceArray<std::uint8_t> safe;  // PatchMarks::parent_safe of the next level; empty: not kept
+  std::uint64_t vertices;  // vertices that exist so far
+  // Which triangles are safe: those whose children face outward if their midpoints are regular. It
+  // is PatchMarks::parent_safe of the next level. Empty: not kept.
+  DeviceArray<std::uint8_t> safe;
 
   DeviceMeshView view() const {
     DeviceMeshView v = mesh.view();
@@ -91,24 +93,25 @@ GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vert
 ProjectionStats to_host(const DeviceArray<DeviceStats>& stats, std::uint64_t undone,
                         const Stream& stream) {
   const DeviceStats s = fetch(stats.data(), stream);
-  return {s.projected - undone,
-          s.unconverged,
-          s.out_of_reach,
-          undone,
-          s.turned,
-          s.iterations_max,
-          std::bit_cast<double>(s.residual_bits)};
+  return {.projected = s.projected - undone,
+          .unconverged = s.unconverged,
+          .out_of_reach = s.out_of_reach,
+          .undone = undone,
+          .turned = s.turned,
+          .iterations_max = s.iterations_max,
+          .residual_max = std::bit_cast<double>(s.residual_bits)};
 }
 
 // Whether vertices are projected onto the union without being bound to the labels of triangles.
-// Marks of safe triangles (PatchMarks) are kept in this case only, because only here do most
-// midpoints move radially to the sphere of their ends, which the proof of the marks needs.
+// Safe triangles are marked in this case only: the proof at PatchMarks assumes that a midpoint
+// moves radially to the sphere of both ends of its edge, and only here do most.
 bool is_freely_projected_union(const SurfaceView& surface, const DeviceMeshView& mesh) {
   return surface.projection == Projection::vdw && mesh.triangle_spheres == nullptr;
 }
 
-// Level 0: projects the vertices and counts the turned triangles. If a subdivision follows, it also
-// marks the safe triangles for it. Vertices of labelled triangles are not moved, only counted.
+// Level 0: projects the vertices and counts the turned triangles, those that do not face outward.
+// If a subdivision follows, it also marks the safe triangles for it. Vertices of labelled triangles
+// are not moved, only counted.
 ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
                               const RefineOptions& options, std::uint64_t pairs_at_once,
                               const Stream& stream) {
@@ -123,86 +126,97 @@ ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
     }
   }
   if (is_freely_projected_union(surface, mesh) && options.subdivisions > 0) {
+    // A byte for four consecutive triangles; on later levels these are the children of a parent.
     growing.safe = DeviceArray<std::uint8_t>((mesh.triangles + 3) / 4, stream.get());
   }
   count_turned_on_device(surface, mesh, growing.safe.data(), stats.data(), stream);
   return to_host(stats, undone, stream);
 }
 
-// Length of the list of bad moves. Fewer than 2 % of the midpoints went back in all measured cases
-// (docs/refinement.md); 1/32 is 3 %, and the constant serves small meshes. If a list is too short,
-// the marked midpoints are found by a search over all midpoints instead.
-std::uint64_t room_for_marks(std::uint64_t midpoints) { return midpoints / 32 + 4096; }
+// Length of the list of bad moves: those that turn a triangle over or make triangles cross. Fewer
+// than 2 % of the midpoints went back in all measured cases (docs/refinement.md); 1/32 is 3 %, and
+// the constant serves small meshes. If a list is too short, a search over all midpoints is made.
+std::uint64_t room_for_bad_moves(std::uint64_t midpoints) { return midpoints / 32 + 4096; }
 
-// One subdivision: adds the midpoints to `growing` and replaces its triangles by their children.
-// level_number counts from 1. "marked" and "marks" below: marks.mark() marks a time, marked_safe
-// says whether PatchMarks are kept, and marks_list and `marked` are the list of bad moves
-// (MoveStatesView).
+// Subdivision level_number, from 1 on: adds the midpoints to `growing` and replaces its triangles
+// by their children.
 ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int level_number,
                           const RefineOptions& options, std::uint64_t pairs_at_once,
                           RefineTimings& timings, const Stream& stream) {
-  StageMarks marks(stream.get());
+  StageMarks stages(stream.get());
   const DeviceMeshView parent = growing.view();
   const MeshSize size = subdivided({parent.vertices, parent.triangles});
   const DeviceEdgeNumbers edges(parent.opposite, 3 * parent.triangles, stream);
   DeviceMesh children;
   children.corners = DeviceArray<std::uint32_t>(3 * size.triangles, stream.get());
   const bool is_last = level_number == options.subdivisions;
+  // The next level numbers its edges by half-edges; after the last one they serve the caller.
   if (has_half_edges(size.triangles) && (!is_last || size.triangles <= options.half_edges_up_to)) {
     children.opposite = DeviceArray<std::uint32_t>(3 * size.triangles, stream.get());
   }
   const bool constrained = parent.triangle_spheres != nullptr;
   if (constrained) children.triangle_spheres = DeviceArray<SphereId>(size.triangles, stream.get());
-  const DeviceMeshView mesh{parent.positions,         parent.normals,
-                            parent.vertex_spheres,    children.corners.data(),
-                            children.opposite.data(), size.vertices,
-                            size.triangles,           children.triangle_spheres.data()};
+  DeviceMeshView mesh = parent;  // with the vertex arrays of `parent`, but other triangles
+  mesh.corners = children.corners.data();
+  mesh.opposite = children.opposite.data();
+  mesh.vertices = size.vertices;
+  mesh.triangles = size.triangles;
+  mesh.triangle_spheres = children.triangle_spheres.data();
   const std::uint64_t midpoints = size.vertices - parent.vertices;
-  const bool marked_safe = growing.safe.size() > 0;
-  const DeviceArray<std::uint8_t> regular(marked_safe ? midpoints : 0, stream.get());
+  const bool keeps_marks = growing.safe.size() > 0;  // PatchMarks
+  const DeviceArray<std::uint8_t> regular(keeps_marks ? midpoints : 0, stream.get());
   // The last level keeps no marks of its children: no level follows that would read them.
-  DeviceArray<std::uint8_t> safe(marked_safe && !is_last ? parent.triangles : 0, stream.get());
-  const DeviceArray<std::uint32_t> patches(marked_safe ? parent.triangles : 0, stream.get());
-  const auto listed = zeros<unsigned long long>(1, stream);
-  // Below, `mesh` shares the vertex arrays of `parent`; only the triangles are other arrays.
-  const MidpointLevel level{
-      parent,
-      mesh,
-      edges.view(),
-      {regular.data(), growing.safe.data(), safe.data(), patches.data(), listed.data()},
-      level_number == 1};
+  DeviceArray<std::uint8_t> child_safe(keeps_marks && !is_last ? parent.triangles : 0,
+                                       stream.get());
+  // The parents whose children's orientation must be tested.
+  const DeviceArray<std::uint32_t> to_test(keeps_marks ? parent.triangles : 0, stream.get());
+  const auto to_test_count = zeros<unsigned long long>(1, stream);
+  const MidpointLevel level{.parent = parent,
+                            .mesh = mesh,
+                            .edges = edges.view(),
+                            .marks = {.regular = regular.data(),
+                                      .parent_safe = growing.safe.data(),
+                                      .child_safe = child_safe.data(),
+                                      .list = to_test.data(),
+                                      .listed = to_test_count.data()},
+                            .is_first = level_number == 1};
   const bool moves = surface.projection != Projection::none && !constrained;
+  // One byte each. The kernels write them with Projection::none too, though nothing moves.
+  static_assert(sizeof(MoveState) == 1);
   const DeviceArray<MoveState> move_states(constrained ? 0 : move_state_bytes(midpoints),
                                            stream.get());
-  const std::uint64_t room = moves ? room_for_marks(midpoints) : 0;
-  const DeviceArray<std::uint32_t> marks_list(room, stream.get());
-  const auto marked = zeros<unsigned long long>(1, stream);
+  const std::uint64_t room = moves ? room_for_bad_moves(midpoints) : 0;
+  const DeviceArray<std::uint32_t> bad_moves(room, stream.get());
+  const auto bad_move_count = zeros<unsigned long long>(1, stream);
   const auto stats = zeros<DeviceStats>(1, stream);
-  marks.mark();
+  stages.mark();
   if (constrained) {
     make_constrained_midpoints_on_device(surface, level, stats.data(), stream);
   } else {
     make_midpoints_on_device(surface, level, move_states.data(), stats.data(), stream);
   }
-  marks.mark();
-  const LevelPasses passes{surface,
-                           {moves ? move_states.data() : nullptr, parent.vertices, marked.data(),
-                            marks_list.data(), room},
-                           stats.data(),
-                           options.crossings,
-                           options.monitor,
-                           pairs_at_once};
+  stages.mark();
+  const LevelPasses passes{.surface = surface,
+                           .move_states = {.move_states = moves ? move_states.data() : nullptr,
+                                           .first_handled = parent.vertices,
+                                           .marked = bad_move_count.data(),
+                                           .list = bad_moves.data(),
+                                           .room = room},
+                           .stats = stats.data(),
+                           .crossings = options.crossings,
+                           .monitor = options.monitor,
+                           .pairs_at_once = pairs_at_once};
   make_children_on_device(level, passes, stream);
-  marks.mark();
+  stages.mark();
   const std::uint64_t undone = moves ? take_back_bad_moves(level, passes, stream) : 0;
-  marks.mark();
+  stages.mark();
   const ProjectionStats result = to_host(stats, undone, stream);
-  timings = {marks.stage(0), marks.stage(1), marks.stage(2), marks.stage(3)};
+  timings = {stages.stage(0), stages.stage(1), stages.stage(2), stages.stage(3)};
   growing.mesh.corners = std::move(children.corners);
   growing.mesh.opposite = std::move(children.opposite);
   growing.mesh.triangle_spheres = std::move(children.triangle_spheres);
   growing.vertices = size.vertices;
-  growing.safe = std::move(safe);
+  growing.safe = std::move(child_safe);
   return result;
 }
 
@@ -241,19 +255,20 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
       triangle_bytes(size) + triangle_bytes(parent) +
       DeviceEdgeNumbers::bytes(3 * parent.triangles);
   if (labels == TriangleLabels::spheres) return mesh;
-  // Per midpoint 6 bytes: state, regular mark, element of the list of deferred midpoints. Per
-  // parent triangle 4 bytes in the list of patches. Per four triangles one byte of safe marks. Per
-  // midpoint a quarter byte in the two lists of bad moves: 4 bytes for every 32nd midpoint, twice.
+  // Per midpoint its state (1 byte), its regular mark (1) and its place in make_midpoints.cu's list
+  // of deferred midpoints (4); per parent triangle its place in the list of those to test; per four
+  // triangles a byte of safe marks; and two lists of bad moves (take_back_bad_moves() has a spare).
   const std::uint64_t midpoints = size.vertices - parent.vertices;
-  const std::uint64_t move_states =
-      6 * midpoints + 4 * parent.triangles + size.triangles / 4 + midpoints / 4;
+  const std::uint64_t level_arrays = (1 + 1 + sizeof(std::uint32_t)) * midpoints +
+                                     sizeof(std::uint32_t) * parent.triangles + size.triangles / 4 +
+                                     2 * sizeof(std::uint32_t) * room_for_bad_moves(midpoints);
   if (options.crossings == Crossings::allow || options.projection == Projection::none) {
-    return mesh + move_states;
+    return mesh + level_arrays;
   }
-  // A patch of the search is a triangle of the level before the last, of two levels before from
-  // level 2 on, and on level 0 a given triangle.
+  // The patches in which the last level looks for crossings: the given triangles if it is level 0
+  // or 1, else the triangles of two levels before, of which each has four children in `parent`.
   const std::uint64_t patches = options.subdivisions < 2 ? given.triangles : parent.triangles / 4;
-  return mesh + move_states +
+  return mesh + level_arrays +
          crossing_search_bytes(patches, options.subdivisions > 0, pairs_at_once);
 }
 
@@ -277,7 +292,8 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
     seen.normals = nullptr;
     options.on_level(level, download(seen, Connectivity::triangles, stream));
   };
-  // The observer of a level downloads the mesh: its time is left out of the measured times.
+  // The observer of a level downloads the mesh: its time is left out of the measured times. It sees
+  // level 0 before the projection (LevelObserver).
   float ms = clock.lap();
   observe(0);
   clock.restart();

@@ -17,6 +17,7 @@ namespace {
 
 using namespace py::literals;
 
+// Formats are those of float, double and std::uint32_t: f, d and I.
 bool is_floating(const CudaArray& a) { return a.array.format != "I"; }
 
 std::string type_string(const CudaArray& a) {
@@ -37,14 +38,14 @@ bool is_without_gaps(const CudaArray& a) {
   return true;
 }
 
-// The flag says that the array may be written to, because PyTorch takes no others.
 py::dict interface_of(const CudaArray& a) {
   const auto address = element_count(a) > 0 ? reinterpret_cast<std::uintptr_t>(a.array.data) : 0;
   py::object strides = py::none();
   if (!is_without_gaps(a)) strides = py::tuple(py::cast(a.array.strides));
+  constexpr bool kReadOnly = false;  // PyTorch takes no read-only arrays
   return py::dict("shape"_a = py::tuple(py::cast(a.array.shape)), "typestr"_a = type_string(a),
-                  "data"_a = py::make_tuple(address, false), "version"_a = 3, "strides"_a = strides,
-                  "stream"_a = py::none());
+                  "data"_a = py::make_tuple(address, kReadOnly), "version"_a = 3,
+                  "strides"_a = strides, "stream"_a = py::none());
 }
 
 py::tuple device_tuple(const CudaArray& a) { return py::make_tuple(dlpack::kCuda, a.device); }
@@ -56,13 +57,13 @@ struct OwnedTensor {
     for (const py::ssize_t bytes : a.array.strides) strides.push_back(bytes / a.array.item_bytes);
     const std::uint8_t code = is_floating(a) ? dlpack::kFloatingPoint : dlpack::kUnsigned;
     const auto bits = static_cast<std::uint8_t>(8 * a.array.item_bytes);
-    managed.tensor = {const_cast<void*>(a.array.data),
-                      {dlpack::kCuda, a.device},
-                      static_cast<std::int32_t>(shape.size()),
-                      {code, bits, 1},
-                      shape.data(),
-                      strides.data(),
-                      0};
+    managed.tensor = {.data = const_cast<void*>(a.array.data),
+                      .device = {dlpack::kCuda, a.device},
+                      .dimensions = static_cast<std::int32_t>(shape.size()),
+                      .type = {.code = code, .bits = bits, .lanes = 1},
+                      .shape = shape.data(),
+                      .strides = strides.data(),
+                      .byte_offset = 0};
     managed.context = this;
     managed.deleter = [](dlpack::ManagedTensor* t) {
       delete static_cast<OwnedTensor*>(t->context);
@@ -85,9 +86,11 @@ void free_unused(PyObject* capsule) {
   managed->deleter(managed);
 }
 
-// The values are there already, whichever stream the consumer names.
-py::object capsule_of(const CudaArray& a, const py::object&, const py::object&,
-                      const py::object& device, const py::object& copy) {
+// The values are there already, whichever stream the consumer names, and every consumer takes a
+// capsule without a version (dlpack.hpp).
+py::object capsule_of(const CudaArray& a, const py::object& /*stream*/,
+                      const py::object& /*max_version*/, const py::object& device,
+                      const py::object& copy) {
   if (!device.is_none() && !py::tuple(device).equal(device_tuple(a))) {
     throw py::buffer_error("the array lies on another device than dl_device");
   }
@@ -122,7 +125,8 @@ Array downloaded(const CudaArray& a) {
   return copy;
 }
 
-// Row k of an array of several dimensions, without a copy.
+// Row k of an array of several dimensions, without a copy. Precondition: there is such a row. The
+// Python layer asks for rows of frames that were measured only.
 CudaArray row_of(const CudaArray& a, std::size_t k) {
   CudaArray row = a;
   const auto step = static_cast<std::ptrdiff_t>(k) * a.array.strides.at(0);
@@ -132,7 +136,7 @@ CudaArray row_of(const CudaArray& a, std::size_t k) {
   return row;
 }
 
-void wait_freely(int device, std::uintptr_t stream) {
+void wait_without_gil(int device, std::uintptr_t stream) {
   const py::gil_scoped_release free;
   wait_for_stream(device, stream);
 }
@@ -160,8 +164,8 @@ std::vector<double> numbers_of(const Numbers& array) {
   return numbers;
 }
 
-DeviceFrames with_radii_there(const CudaInput& coords, const CudaInput& radii, double unit,
-                              double probe) {
+DeviceFrames frames_with_device_radii(const CudaInput& coords, const CudaInput& radii, double unit,
+                                      double probe) {
   require_one_each(radii.shape.at(0), coords.shape.at(1));
   if (radii.device != coords.device) {
     throw InvalidInput(fmt::format("radii: are on CUDA device {}, coords on device {}",
@@ -173,6 +177,7 @@ DeviceFrames with_radii_there(const CudaInput& coords, const CudaInput& radii, d
 
 }  // namespace
 
+// `described` has address, is_float32, shape, strides in bytes, and stream or None.
 CudaInput::CudaInput(const py::tuple& described, const char* name)
     : first(reinterpret_cast<const std::byte*>(described[0].cast<std::uintptr_t>())),
       type(described[1].cast<bool>() ? CoordinateType::float32 : CoordinateType::float64),
@@ -180,15 +185,15 @@ CudaInput::CudaInput(const py::tuple& described, const char* name)
       strides(described[3].cast<std::vector<py::ssize_t>>()),
       device(device_of(first, name)) {
   const auto stream = described[4].cast<std::optional<std::uintptr_t>>();
-  if (stream) wait_freely(device, *stream);
+  if (stream) wait_without_gil(device, *stream);
 }
 
 DeviceFrames frames_of(const py::tuple& coords, const py::object& radii, double unit,
                        double probe) {
   if (!std::isfinite(probe)) throw InvalidInput(fmt::format("probe: {} is not finite", probe));
   const CudaInput centers(coords, "coords");
-  if (py::isinstance<py::tuple>(radii)) {
-    return with_radii_there(centers, CudaInput(radii, "radii"), unit, probe);
+  if (py::isinstance<py::tuple>(radii)) {  // radii on the host are no tuple, but an array
+    return frames_with_device_radii(centers, CudaInput(radii, "radii"), unit, probe);
   }
   const std::vector<double> sizes = numbers_of(Numbers(radii, "radii", 1));
   require_one_each(sizes.size(), centers.shape.at(1));

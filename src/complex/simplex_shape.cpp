@@ -2,8 +2,8 @@
 //
 // Every quantity is a quotient, a root or an angle of polynomials in the coordinates. Templates
 // over the number type T write each formula once. is_thin(), is_flat() and is_short() decide
-// whether double keeps enough digits of the polynomials; if not, T = Float100 evaluates them again.
-// Results are double in both cases.
+// whether double keeps enough digits of the polynomials; if not, T = WideFloat evaluates them
+// again. Results are double in both cases.
 //
 // The orthogonal centre of two to four balls is the point in the line, plane or space of their
 // centres that has the same power |x - c|² - r² to all of them. For balls a, b the half power
@@ -23,12 +23,10 @@
 namespace vdwmesh {
 namespace {
 
-using Float100 = WideFloat;
-
 // A triangle is thin if the sine of its smallest angle is below kThinSine. A tetrahedron is flat if
 // six times its volume is below kFlatVolume times the product of the lengths of the three edges at
-// ball 0. At these limits double loses three of its sixteen digits of an angle and four of an
-// orthogonal centre, and gives them to 1e-13 and 1e-12.
+// ball 0. At kThinSine double loses three of its sixteen digits of an angle, which is right to
+// 1e-13; at kFlatVolume it loses four of an orthogonal centre, which is right to 1e-12.
 constexpr double kThinSine = 1e-3;
 constexpr double kFlatVolume = 1e-4;
 
@@ -59,35 +57,36 @@ T half_power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
 // results are computed in T too, because a double may not hold their arguments: the square of a
 // length of 1e-170 underflows to 0. The conversion to double comes last.
 double to_double(double value) { return value; }
-double to_double(const Float100& value) { return static_cast<double>(value); }
+double to_double(const WideFloat& value) { return static_cast<double>(value); }
 double ratio(double a, double b) { return a / b; }
-double ratio(const Float100& a, const Float100& b) { return static_cast<double>(a / b); }
+double ratio(const WideFloat& a, const WideFloat& b) { return static_cast<double>(a / b); }
 
 // A negative square is a rounding error of 0, so its root is 0. The root of NaN is NaN.
 double root(double square) { return square <= 0 ? 0 : std::sqrt(square); }
 
 // The square root by Newton's iteration for the inverse root, which needs no division. A step
-// doubles the number of correct bits: 53 from the double, 106, 212, 424, and Float100 has 335. An
+// doubles the number of correct bits: 53 from the double, 106, 212, 424, and WideFloat has 335. An
 // even power of two is split off first, so that the mantissa fits a double.
-Float100 root(const Float100& square) {
+WideFloat root(const WideFloat& square) {
   if (square <= 0) return 0;
   auto exponent = ilogb(square);
-  exponent -= exponent % 2;
-  const Float100 mantissa = ldexp(square, -exponent);  // in [1/2, 4)
-  Float100 inverse = 1 / std::sqrt(to_double(mantissa));
+  exponent -= exponent % 2;                             // even, rounded towards 0
+  const WideFloat mantissa = ldexp(square, -exponent);  // in [1/2, 4)
+  WideFloat inverse = 1 / std::sqrt(to_double(mantissa));
   for (int step = 0; step < 3; ++step) {
     inverse += inverse * (1 - mantissa * inverse * inverse) / 2;
   }
-  return ldexp(Float100(mantissa * inverse), exponent / 2);
+  return ldexp(WideFloat(mantissa * inverse), exponent / 2);
 }
 
-// The angle of the vector (x, y) from the x axis, in [-π, π]. For Float100, both coordinates are
+// The angle of the vector (x, y) from the x axis, in [-π, π]. For WideFloat, both coordinates are
 // first divided by the larger absolute value, so that they fit doubles. The zero vector has the
 // angle 0.
 double angle(double y, double x) { return std::atan2(y, x); }
-double angle(const Float100& y, const Float100& x) {
-  const Float100 size = std::max<Float100>(abs(x), abs(y));
-  return size > 0 ? std::atan2(to_double(Float100(y / size)), to_double(Float100(x / size))) : 0.0;
+double angle(const WideFloat& y, const WideFloat& x) {
+  const WideFloat size = std::max<WideFloat>(abs(x), abs(y));
+  return size > 0 ? std::atan2(to_double(WideFloat(y / size)), to_double(WideFloat(x / size)))
+                  : 0.0;
 }
 
 // v / divisor. The quotient of each coordinate is computed in T.
@@ -199,8 +198,9 @@ void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& te
   }
 }
 
-// The orthogonal centre x, from ball 0, times minus the determinant. By Cramer's rule the solution
-// of edge[k]·x = w[k] is a combination of the normals of the facets through ball 0.
+// Returns -determinant * x for the orthogonal centre x, from ball 0. By Cramer's rule the solution
+// of edge[k]·x = w[k] is a combination of the normals of the facets through ball 0; their sign is
+// that of outward normals.
 template <class T>
 Vector<T> center_numerator(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
   std::array<T, 3> w;
@@ -228,7 +228,7 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
 // The points common to three spheres, times the squared normal |n|² = `gram` of the triangle. With
 // u = ab, v = ac and n = u × v, the orthogonal centre in the plane is (w_u v×n + w_v n×u) / |n|².
 // The points lie above and below it by sqrt(r_a² - |centre|²). All are relative to the centre of a.
-// One value may be added to the squared radii of all balls: it moves the points, not the centre.
+// common_points_wide() adds one value to all squared radii: it moves the points, not the centre.
 template <class T>
 struct CommonPointTerms {
   Vector<T> normal, center;  // `center` and `half_chord` are multiplied by `gram`
@@ -303,10 +303,10 @@ T twice_area(const Sphere& a, const Sphere& b, const Sphere& c) {
   return root(T(dot(normal, normal)));
 }
 
-// The vertices of a corner tetrahedron are the centres of three balls and one of the two points
-// common to their spheres. Its solid angles at the three centres. `determinant` is the determinant
-// of two edge vectors of the triangle and the vector to the common point, all from the same centre;
-// it is the same for every centre.
+// Returns the solid angles at the three centres of a corner tetrahedron: its vertices are these and
+// one of the two points common to the spheres. `determinant` is the determinant of two edge vectors
+// of the triangle and the vector to the common point, all from the same centre; it is the same for
+// every centre.
 template <class T>
 std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const T& determinant) {
   std::array<double, 3> angles;
@@ -321,50 +321,50 @@ std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const 
 
 EdgeShape edge_shape(const Sphere& a, const Sphere& b) {
   const Vector<double> ab = from_to<double>(a, b);
-  if (!(dot(ab, ab) >= kLeastSquaredLength)) return shape_in(a, b, from_to<Float100>(a, b));
+  if (!(dot(ab, ab) >= kLeastSquaredLength)) return shape_in(a, b, from_to<WideFloat>(a, b));
   return shape_in(a, b, ab);
 }
 
 TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c) {
   const std::array<const Sphere*, 3> v{&a, &b, &c};
-  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return shape_in<Float100>(v);
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return shape_in<WideFloat>(v);
   const TriangleShape shape = shape_in<double>(v);
-  return is_short(shape.half_chord, a, b, c) ? shape_in<Float100>(v) : shape;
+  return is_short(shape.half_chord, a, b, c) ? shape_in<WideFloat>(v) : shape;
 }
 
 CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
-  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<Float100>(a, b, c);
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<WideFloat>(a, b, c);
   const CommonPoints points = points_in<double>(a, b, c);
-  return is_short(points.half_chord, a, b, c) ? points_in<Float100>(a, b, c) : points;
+  return is_short(points.half_chord, a, b, c) ? points_in<WideFloat>(a, b, c) : points;
 }
 
 std::array<numbers::Vector<WideFloat>, 2> common_points_wide(const Sphere& a, const Sphere& b,
                                                              const Sphere& c,
                                                              const WideFloat& added_square) {
-  const CommonPointTerms<Float100> terms = common_point_terms<Float100>(a, b, c, added_square);
-  const Float100 lift = terms.half_chord / (terms.gram * root(terms.gram));
-  const auto at = [&](const Float100& center, const Float100& normal, const Float100& side) {
-    return WideFloat(Float100(center / terms.gram + side * normal));
+  const CommonPointTerms<WideFloat> terms = common_point_terms<WideFloat>(a, b, c, added_square);
+  const WideFloat lift = terms.half_chord / (terms.gram * root(terms.gram));
+  const auto at = [&](const WideFloat& center, const WideFloat& normal, const WideFloat& side) {
+    return WideFloat(center / terms.gram + side * normal);
   };
-  const auto point = [&](const Float100& side) {
+  const auto point = [&](const WideFloat& side) {
     return Vector<WideFloat>{at(terms.center.x, terms.normal.x, side),
                              at(terms.center.y, terms.normal.y, side),
                              at(terms.center.z, terms.normal.z, side)};
   };
-  return {point(lift), point(Float100(-lift))};
+  return {point(lift), point(WideFloat(-lift))};
 }
 
 Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
   const TetrahedronTerms<double> terms(balls);
   if (!is_flat(terms)) return quotient(center_numerator(balls, terms), -terms.determinant);
-  const TetrahedronTerms<Float100> wide(balls);
-  return quotient(center_numerator(balls, wide), Float100(-wide.determinant));
+  const TetrahedronTerms<WideFloat> wide(balls);
+  return quotient(center_numerator(balls, wide), WideFloat(-wide.determinant));
 }
 
 double corner_dihedral(const std::array<const Sphere*, 3>& balls, const TriangleShape& triangle,
                        std::size_t k) {
-  // The spheres touch in one point on the line of the edge. If the point lies between the ends, the
-  // angle is the limit of a chord that shrinks; atan2(0, 0) would give 0.
+  // If the three spheres have one common point, on the line of the edge, atan2(0, 0) would give 0.
+  // Between the ends, the angle is the limit for a chord that shrinks, with the distance 0: π / 2.
   if (triangle.half_chord == 0 && triangle.distance[k] == 0) {
     const Sphere &a = *balls[(k + 1) % 3], &b = *balls[(k + 2) % 3];
     const EdgeShape edge = edge_shape(a, b);
@@ -379,8 +379,9 @@ CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
   const bool wide = is_thin(from_to<double>(a, b), from_to<double>(a, c)) ||
                     is_short(triangle.half_chord, a, b, c);
   CornerShape corner{};
-  corner.solid_angle = wide ? solid_angles<Float100>(
-                                  v, twice_area<Float100>(a, b, c) * Float100(triangle.half_chord))
+  // The wide angles take half_chord as a double, in which triangle_shape() rounded a wide result.
+  corner.solid_angle = wide ? solid_angles<WideFloat>(v, twice_area<WideFloat>(a, b, c) *
+                                                             WideFloat(triangle.half_chord))
                             : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
   for (std::size_t k = 0; k < 3; ++k) {
     corner.dihedral[k] = corner_dihedral(v, triangle, k);
@@ -391,7 +392,7 @@ CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
 
 TetrahedronShape tetrahedron_shape(const std::array<Sphere, 4>& balls) {
   const TetrahedronTerms<double> terms(balls);
-  if (is_flat(terms)) return shape_in(balls, TetrahedronTerms<Float100>(balls));
+  if (is_flat(terms)) return shape_in(balls, TetrahedronTerms<WideFloat>(balls));
   return shape_in(balls, terms);
 }
 

@@ -1,6 +1,7 @@
-// make_field_model() checks the options of a field and turns them into numbers. The members that
-// all kinds of a preset have in common are set here; the type of the kind sets the others
-// (field_kinds.hpp). preset_grid() has the spacings and paddings of the presets.
+// make_field_model() checks the options of a field, its kind and its preset among them, and turns
+// them into numbers. What all kinds of a preset have in common is set here, the rest by the type of
+// the kind (field_kinds.hpp). The blended kinds are all but vdw. The presets thesis and thesis_vdw
+// reproduce a thesis by Dias; docs/thesis.md says how their numbers were found.
 #include "extract/field.hpp"
 
 #include <fmt/format.h>
@@ -15,8 +16,8 @@
 namespace vdwmesh {
 namespace {
 
-// Largest steepness of a Blinn field that is accepted. The margins of the brick search
-// (block_bounds.hpp) allow for the float32 errors up to this steepness.
+// Largest accepted blobbiness, the steepness of a Blinn field. The bounds of a field over a block
+// of nodes (block_bounds.hpp) allow for the float32 errors up to this steepness.
 constexpr double kMostBlobbiness = 50;
 // Below this distance from an atom, in grid spacings, the inverse squared field is constant.
 constexpr double kClosest = 0.001;
@@ -38,7 +39,8 @@ void check(const FieldOptions& o) {
     throw InvalidInput("the vdw field has neither isovalue nor blobbiness; leave them out");
   }
   if (o.kind == FieldKind::vdw && o.preset != FieldPreset::radius_aware) {
-    throw InvalidInput("the thesis presets are of the fields blinn, soft and inverse-squared");
+    throw InvalidInput(
+        "the presets thesis and thesis-vdw are of the fields blinn, soft and inverse-squared");
   }
   if (o.blobbiness && (o.kind != FieldKind::blinn || o.preset != FieldPreset::radius_aware)) {
     throw InvalidInput("blobbiness is of the radius-aware blinn field only; leave it out");
@@ -47,8 +49,8 @@ void check(const FieldOptions& o) {
 
 // Throws InvalidInput if float32 does not hold the field near the isovalue. A contribution is a
 // product of float32 factors, of which largest_factor() is the largest. For an isovalue below
-// 2^-100 of it, the other factors would come near 2^-126, below which float32 loses digits and ends
-// at 0.
+// 2^-100 of it, the product of the others may be 2^-100 too, and 2^-24 of that still counts in a
+// sum. This comes near 2^-126, below which float32 loses digits and ends at 0.
 void check_isovalue(const FieldModel& m) {
   const double largest =
       with_blended(m.kind, [&]<class Kind>(Kind) { return Kind::largest_factor(m); });
@@ -61,24 +63,26 @@ void check_isovalue(const FieldModel& m) {
                   m.isovalue, least, most));
 }
 
-// The model of a radius-aware field. window_scale makes the window 1 at the atom's sphere, q = 1.
+// The model of a radius-aware field, a function of q = (distance / radius)². Members that neither
+// this nor the kind sets belong to the other presets. window_scale makes the window 1 at the atom's
+// sphere, q = 1.
 FieldModel radius_aware(const FieldOptions& o, const GridSpec& grid) {
-  constexpr double kCutoffSquare = kWindowRadii * kWindowRadii;
+  constexpr double kCutoff = kWindowRadii * kWindowRadii;  // of q
   FieldModel m{};
   m.kind = o.kind;
   m.truncation = Truncation::window;
   m.isovalue = o.isovalue.value_or(1);
   m.min_square = kClosest * grid.spacing * kClosest * grid.spacing;
-  m.inverse_cutoff = 1 / kCutoffSquare;
-  m.window_scale = 1 / (1 - 1 / kCutoffSquare);
+  m.inverse_cutoff = 1 / kCutoff;
+  m.window_scale = 1 / (1 - 1 / kCutoff);
   m.radius_scale = 1;
   m.grid = grid;
   with_blended(o.kind, [&]<class Kind>(Kind) { Kind::set_radius_aware(o, m); });
   return m;
 }
 
-// The model of a field of one of the two thesis presets. Their sub-grids reach 20 and 4 cells to
-// either side of the atom's cell.
+// The model of a field of preset thesis or thesis_vdw. Their sub-grids reach 20 and 4 cells to
+// either side of the atom's cell. inverse_cutoff stays 0: there is no window.
 FieldModel thesis(const FieldOptions& o, const GridSpec& grid) {
   FieldModel m{};
   m.kind = o.kind;
@@ -113,11 +117,11 @@ GridOptions preset_grid(FieldPreset preset, std::optional<double> spacing,
                         std::optional<double> padding) {
   GridOptions grid;
   if (preset == FieldPreset::radius_aware) {
-    grid.spacing = spacing.value_or(0.5);
+    grid.spacing = spacing.value_or(0.5);  // Å
     grid.padding = padding;
     return grid;
   }
-  grid.spacing = spacing.value_or(0.4);
+  grid.spacing = spacing.value_or(0.4);  // Å; with the paddings, from docs/thesis.md
   grid.padding = padding.value_or(preset == FieldPreset::thesis ? 5.0 : 1.2);
   grid.box = GridBox::centers;
   grid.rounding = GridRounding::floor;

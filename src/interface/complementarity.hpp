@@ -22,7 +22,7 @@ struct ComplementarityOptions {
   double probe = 1.4;        // Å
   double weight = 0.5;       // w, Å⁻²
   double rim = 1.5;          // Å
-  double tolerance = 0.002;  // of Sc
+  double tolerance = 0.002;  // the error of Sc with which rounds end
   double density = 16;       // samples per Å² to begin with
   double most_density = 256;
   std::uint64_t seed = 1;

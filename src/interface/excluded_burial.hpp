@@ -23,8 +23,8 @@ struct ExcludedBurial {
 // does.
 ExcludedSurface surface_of_side(const SphereSet& atoms, double probe, Monitor* monitor = nullptr);
 
-// Of surface_of_side() of both sides, and of the pair: the atoms of a, then those of b. So a side
-// of several pairs is measured once.
+// All three come from surface_of_side(), so that a side of several pairs is measured once. The
+// atoms of the pair are those of a, then those of b.
 ExcludedBurial excluded_burial(const ExcludedSurface& a, const ExcludedSurface& b,
                                const ExcludedSurface& pair);
 

@@ -137,7 +137,11 @@ void find_covers(const CoverRun& run, ListPlace place, bool is_buried, CoverThre
 void add_atom(const CoverRun& run, ListPlace place, const CoverGroups& pair, double area,
               bool is_buried, CoverThread& work) {
   const std::int32_t own = run.group_at(place), other = pair.a == own ? pair.b : pair.a;
-  FoundAtom atom{pair, run.list.id[place], area, 0, -1};
+  FoundAtom atom{.pair = pair,
+                 .sphere = run.list.id[place],
+                 .in_pair = area,
+                 .deepest = 0,
+                 .depth = -1};  // Å: below that of every overlap
   visit_overlapping(run.list, place, work.caps, is_buried, [&](ListPlace near) {
     if (run.group_at(near) != other) return;
     const double depth = overlap_of(run.list.spheres[place], run.list.spheres[near]);
@@ -281,7 +285,7 @@ void make_pairs(const CoverRun& run, const std::vector<FoundAtom>& atoms) {
                   .contacts = {},
                   .deepest_a = 0,
                   .deepest_b = 0,
-                  .overlap = -1});
+                  .overlap = -1});  // Å: below that of every atom
     ExactSum buried_a, buried_b;
     for (; first != atoms.end() && first->pair == pair; ++first) {
       const bool is_of_a = run.group[first->sphere] == pair.a;

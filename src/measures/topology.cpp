@@ -2,8 +2,8 @@
 //
 // 1. Components of the union are the connected components of the complex's graph (union-find).
 // 2. "Regions" are the components of the complement. They are found by union-find over the cells
-//    outside the complex. The outer region, with the auxiliary vertices, has the number kOuter; all
-//    others are voids.
+//    outside the complex. The outer region has the number kOuter; the cells at the auxiliary
+//    points far outside all balls belong to it. All other regions are voids.
 // 3. The surfaces of voids are measured cell by cell. The outer surfaces have the remaining area.
 // 4. A region and a component that touch have exactly one shell in common, a connected piece of the
 //    boundary. So regions and components are the nodes of a tree whose edges are the shells. Its
@@ -51,11 +51,11 @@ Labels label_components(const DualComplex& complex) {
 }
 
 // Regions, for each cell outside the complex. Two such cells are connected if their common facet is
-// not in the complex. The region of the first cell with an auxiliary vertex gets the number 0,
-// kOuter, the others follow in the order of their lowest cells.
+// not in the complex. All cells with an auxiliary vertex are connected, so the first one names the
+// outer region, number 0. The others follow in the order of their lowest cells.
 Labels label_complement(const PowerTriangulation& t, const DualComplex& complex) {
   const std::size_t n = t.cells.size();
-  DisjointSets sets(n);
+  DisjointSets sets(n);  // threads may join at the same time
   for_each_index(n, [&](std::size_t c) {
     if (complex.cell_in_complex[c]) return;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -94,13 +94,13 @@ using ShellTable =
 
 class ShellFinder {
  public:
-  ShellFinder(const PowerTriangulation& t, const DualComplex& k,
+  ShellFinder(const PowerTriangulation& t, const DualComplex& complex,
               const std::vector<SphereMeasures>& measures)
       : t_(t),
-        k_(k),
+        complex_(complex),
         measures_(measures),
-        components_(label_components(k)),
-        regions_(label_complement(t, k)),
+        components_(label_components(complex)),
+        regions_(label_complement(t, complex)),
         void_volume_(regions_.count),
         deepest_(regions_.count),
         lining_(regions_.count) {}
@@ -113,13 +113,12 @@ class ShellFinder {
   }
 
  private:
-  // The cell of a void with the largest orthogonal sphere. That sphere's centre lies in the void:
-  // if it lay beyond a facet of its cell, the neighbour across that facet, which belongs to the
-  // same void, would have a larger orthogonal sphere. So the centre is a maximum of the least power
-  // (Edelsbrunner, Facello and Liang 1998, "On the definition and the construction of pockets in
-  // macromolecules").
+  // The largest orthogonal sphere of a void's cells. Its centre lies in the void: if it lay beyond
+  // a facet of its cell, the neighbour across that facet, which belongs to the same void, would
+  // have a larger one. So the power to the nearest ball is greatest there (Edelsbrunner, Facello
+  // and Liang 1998, "On the definition and the construction of pockets in macromolecules").
   struct DeepestPoint {
-    double squared_radius = -1;
+    double squared_radius = -1;  // none yet: outside the complex it is 0 or more but for rounding
     Vec3d center{};
   };
 
@@ -150,10 +149,10 @@ class ShellFinder {
     void_volume_[region].add(shape.volume);
     note_depth(region, v);
     for (const std::uint32_t ball : v) {
-      if (k_.in_complex[ball] && k_.exposed[ball]) lining_[region].push_back(ball);
+      if (complex_.exposed[ball]) lining_[region].push_back(ball);
     }
     for (std::size_t k = 0; k < 4; ++k) {
-      if (!k_.in_complex[v[k]]) continue;
+      if (!complex_.in_complex[v[k]]) continue;
       const double r = t_.balls[v[k]].radius;
       add_area(region, v[k], r * r * shape.solid_angle[k]);
     }
@@ -161,7 +160,9 @@ class ShellFinder {
       add_sector(region, v[kPairs[p][0]], v[kPairs[p][1]], shape.dihedral[p]);
     }
     for (std::size_t k = 0; k < 4; ++k) {
-      if (k_.cell_triangles[c][k] != kNoIndex) add_corner(region, k_.cell_triangles[c][k]);
+      // The cell is outside, so a facet in the complex has an exposed corner on its side.
+      const std::uint32_t facet = complex_.cell_triangles[c][k];
+      if (facet != kNoIndex) add_corner(region, facet);
     }
   }
 
@@ -170,14 +171,17 @@ class ShellFinder {
     const Sphere& first = t_.balls[v[0]];
     const Vec3d offset = orthogonal_center({first, t_.balls[v[1]], t_.balls[v[2]], t_.balls[v[3]]});
     const double squared_radius = squared_norm(offset) - first.radius * first.radius;
-    if (!(squared_radius > deepest_[region].squared_radius)) return;
+    if (!(squared_radius > deepest_[region].squared_radius)) return;  // NaN is not taken either
     deepest_[region] = {squared_radius, first.center + offset};
   }
 
   // Corrects for the circle of edge ab, if ab is in the complex, over an angle φ about the edge.
-  // Both spheres lose a piece of the cap in the other ball, of area φ r (r - h), with the sector
-  // under it. Instead the double cone from the disk of the circle to both centres, of volume φ ρ²
-  // length / 6 with the circle's radius ρ, is not void. A negative angle takes this back.
+  // Its plane is at the height h over the ball's centre, ρ is its radius.
+  // 1. The sectors of both balls have counted a piece of their caps in the other ball, of area
+  //    φ r (r - h): it is taken back with the sector under it.
+  // 2. The double cone from the circle's disk to both centres, of volume φ ρ² length / 6, is not
+  //    void either.
+  // A negative angle takes this back.
   void add_sector(std::uint32_t region, std::uint32_t a, std::uint32_t b, double angle) {
     if (!is_edge(a, b)) return;
     const EdgeShape shape = edge_shape(t_.balls[a], t_.balls[b]);
@@ -191,9 +195,10 @@ class ShellFinder {
 
   // Corrects for an exposed corner: the tetrahedron of the three centres and the corner lies in the
   // balls, so its volume is not void. Its solid angles are taken from the sectors, and its dihedral
-  // angles from the angles of the circles, because nothing in it is on the boundary.
+  // angles at the triangle's edges from the angles of the circles, because nothing in it is on the
+  // boundary. Its other three edges, to the corner, are no edges of the complex.
   void add_corner(std::uint32_t region, std::uint32_t triangle) {
-    const DualTriangle& f = k_.triangles[triangle];
+    const DualTriangle& f = complex_.triangles[triangle];
     const std::array<Sphere, 3> s{t_.balls[f.vertices[0]], t_.balls[f.vertices[1]],
                                   t_.balls[f.vertices[2]]};
     const CornerShape corner = corner_shape(s[0], s[1], s[2], triangle_shape(s[0], s[1], s[2]));
@@ -213,7 +218,7 @@ class ShellFinder {
       if (!is_void_cell(c)) continue;
       for (const std::uint32_t v : t_.cells[c]) at_void[v] = 1;
     }
-    for (const DualEdge& e : k_.edges) {
+    for (const DualEdge& e : complex_.edges) {
       const auto& [a, b] = e.vertices;
       if (at_void[a] && at_void[b]) void_edges_.push_back(key(a, b));
     }
@@ -239,7 +244,7 @@ class ShellFinder {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       if (regions_.of[c] != kOuter) continue;
       for (const std::uint32_t v : t_.cells[c]) {
-        if (t_.is_ball(v)) outside[v] = k_.in_complex[v];
+        if (t_.is_ball(v)) outside[v] = complex_.in_complex[v];
       }
     }
     std::vector<double> seen_in_voids(t_.balls.size(), 0);
@@ -265,7 +270,7 @@ class ShellFinder {
     std::vector<WideSum> own(nodes);
     for (std::uint32_t r = 0; r < regions; ++r) own[r] = void_volume_[r];
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
-      if (k_.in_complex[v]) own[regions + components_.of[v]].add(measures_[v].volume);
+      if (complex_.in_complex[v]) own[regions + components_.of[v]].add(measures_[v].volume);
     }
     std::vector<std::vector<std::uint32_t>> adjacent(nodes);
     for (const auto& [pair, unused] : shells_) {
@@ -297,36 +302,37 @@ class ShellFinder {
     UnionTopology out{};
     const auto count = [](const auto& items) { return static_cast<std::int64_t>(items.size()); };
     const std::int64_t vertices =
-        std::count(k_.in_complex.begin(), k_.in_complex.end(), std::uint8_t{1});
+        std::count(complex_.in_complex.begin(), complex_.in_complex.end(), std::uint8_t{1});
     const std::int64_t euler =
-        vertices - count(k_.edges) + count(k_.triangles) - count(k_.tetrahedra);
+        vertices - count(complex_.edges) + count(complex_.triangles) - count(complex_.tetrahedra);
     out.components = components_.count;
     out.voids = regions_.count - 1;
     out.tunnels =
         static_cast<std::uint64_t>(components_.count + std::int64_t{regions_.count} - 1 - euler);
-    out.euler_characteristic = 2 * euler;
-    out.point_contacts = k_.point_contacts;
+    out.euler_characteristic = 2 * euler;  // of the boundary: twice that of the union
+    out.point_contacts = complex_.point_contacts;
     out.hidden_spheres = static_cast<std::uint64_t>(
-        std::count(k_.exposed.begin(), k_.exposed.end(), std::uint8_t{0}));
+        std::count(complex_.exposed.begin(), complex_.exposed.end(), std::uint8_t{0}));
     add_shells(out);
     return out;
   }
 
-  // Adds the shells, outer surfaces before voids, each by falling volume.
+  // Adds the shells, outer surfaces before voids, whose volume is negative: the normal points in.
+  // Either kind is sorted by falling absolute volume.
   void add_shells(UnionTopology& out) const {
-    WideSum outer, inner, enclosed;
+    WideSum outer_area, void_area, void_volume;
     std::vector<Shell> voids;
     for (const auto& [pair, shell] : shells_) {
       const double area = shell.area.value();
       if (shell.is_void) {
         voids.push_back({area, -shell.enclosed});
-        inner.add(area);
+        void_area.add(area);
       } else {
         out.shells.push_back({area, shell.enclosed});
-        outer.add(area);
+        outer_area.add(area);
       }
     }
-    for (std::uint32_t r = 1; r < regions_.count; ++r) enclosed.add(void_volume_[r]);
+    for (std::uint32_t r = 1; r < regions_.count; ++r) void_volume.add(void_volume_[r]);
     const auto larger = [](const Shell& a, const Shell& b) {
       return std::abs(a.volume) > std::abs(b.volume);
     };
@@ -334,9 +340,9 @@ class ShellFinder {
     std::stable_sort(voids.begin(), voids.end(), larger);
     out.shells.insert(out.shells.end(), voids.begin(), voids.end());
     add_void_table(out);
-    out.outer_area = outer.value();
-    out.void_area = inner.value();
-    out.void_volume = enclosed.value();
+    out.outer_area = outer_area.value();
+    out.void_area = void_area.value();
+    out.void_volume = void_volume.value();
   }
 
   void add_void_table(UnionTopology& out) const {
@@ -346,11 +352,14 @@ class ShellFinder {
         if (shell->first.first != r) break;
         area.add(shell->second.area);
       }
-      Void v{area.value(), void_volume_[r].value(), deepest_[r].center, 0, lining_[r]};
+      Void v{.area = area.value(),
+             .volume = void_volume_[r].value(),
+             .center = deepest_[r].center,
+             .clearance = std::numeric_limits<double>::infinity(),
+             .lining = lining_[r]};
       std::ranges::sort(v.lining);
       const auto repeated = std::ranges::unique(v.lining);
       v.lining.erase(repeated.begin(), repeated.end());
-      v.clearance = std::numeric_limits<double>::infinity();
       for (const std::uint32_t ball : v.lining) {
         const Sphere& s = t_.balls[ball];
         v.clearance = std::min(v.clearance, norm(s.center - v.center) - s.radius);
@@ -361,13 +370,13 @@ class ShellFinder {
   }
 
   const PowerTriangulation& t_;
-  const DualComplex& k_;
+  const DualComplex& complex_;
   const std::vector<SphereMeasures>& measures_;
   Labels components_, regions_;
   // Per region; the outer region has none of these.
   std::vector<WideSum> void_volume_;
   std::vector<DeepestPoint> deepest_;
-  std::vector<std::vector<std::uint32_t>> lining_;  // balls, some repeatedly
+  std::vector<std::vector<std::uint32_t>> lining_;  // exposed balls of its cells, some repeatedly
   ShellTable shells_;
   std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, a term of its area in voids
   std::vector<std::uint64_t> void_edges_;                   // sorted keys, see key()

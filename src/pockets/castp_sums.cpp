@@ -33,25 +33,25 @@ void add_cap(LensParts& lens, double radius, double h, double circle) {
 
 class CastpFinder {
  public:
-  CastpFinder(const PowerTriangulation& t, const DualComplex& k, std::uint32_t cell)
-      : t_(t), k_(k), cell_(cell), v_(t.cells[cell]) {}
+  CastpFinder(const PowerTriangulation& t, const DualComplex& complex, std::uint32_t cell)
+      : t_(t), complex_(complex), cell_(cell), v_(t.cells[cell]) {}
 
   CastpSums run() && {
     shape_ = tetrahedron_shape({ball(0), ball(1), ball(2), ball(3)});
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::uint32_t f = k_.cell_triangles[cell_][k];
-      if (f != kNoIndex) take_corner(k_.triangles[f]);
+      const std::uint32_t f = complex_.cell_triangles[cell_][k];
+      if (f != kNoIndex) take_corner(complex_.triangles[f]);
     }
     out_.volume = shape_.volume;
     for (std::size_t i = 0; i < 4; ++i) {
-      if (!k_.in_complex[v_[i]]) continue;
+      if (!complex_.in_complex[v_[i]]) continue;
       const double r = ball(i).radius;
       out_.volume -= shape_.solid_angle[i] * r * r * r / 3;
       out_.area += shape_.solid_angle[i] * r * r;
     }
     for (std::size_t p = 0; p < 6; ++p) find_lens(p);
     for (std::size_t k = 0; k < 4; ++k) {
-      if (k_.cell_triangles[cell_][k] == kNoIndex) add_face(k);
+      if (complex_.cell_triangles[cell_][k] == kNoIndex) add_face(k);
     }
     return out_;
   }
@@ -89,7 +89,7 @@ class CastpFinder {
 
   void find_lens(std::size_t p) {
     const std::size_t i = kPairs[p][0], j = kPairs[p][1];
-    if (dual_edge(k_, v_[i], v_[j]) == kNoIndex) return;
+    if (dual_edge(complex_, v_[i], v_[j]) == kNoIndex) return;
     const EdgeShape edge = edge_shape(ball(i), ball(j));
     const double circle = std::sqrt(edge.squared_circle_radius);
     add_cap(lenses_[p], ball(i).radius, edge.height[0], circle);
@@ -108,7 +108,7 @@ class CastpFinder {
       const LensParts& lens = lenses_[pair_of(i, j)];
       area += lens.section;
       rim -= lens.arc;
-      if (!k_.in_complex[v_[i]]) continue;
+      if (!complex_.in_complex[v_[i]]) continue;
       const Vec3d u = ball(j).center - ball(i).center, w = ball(l).center - ball(i).center;
       const double angle = std::atan2(norm(cross(u, w)), dot(u, w)), r = ball(i).radius;
       area -= angle * r * r / 2;
@@ -119,7 +119,7 @@ class CastpFinder {
   }
 
   const PowerTriangulation& t_;
-  const DualComplex& k_;
+  const DualComplex& complex_;
   const std::uint32_t cell_;
   const std::array<std::uint32_t, 4> v_;
   TetrahedronShape shape_{};  // less the corners over its faces

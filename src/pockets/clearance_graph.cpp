@@ -20,7 +20,8 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Of the largest radius: places that are the same, and clearances that are.
+// Shares of the largest radius: summits nearer to each other than the first are one, and clearances
+// that differ by less than the second are equal up to rounding.
 constexpr double kSamePlace = 1e-6, kSameGap = 1e-11;
 
 using Triangle = std::array<std::uint32_t, 3>;  // balls, ascending
@@ -29,7 +30,7 @@ using Triangle = std::array<std::uint32_t, 3>;  // balls, ascending
 struct GrownBalls {
   double clearance;
   PowerTriangulation t;
-  int scale;  // of t to the balls
+  int scale;  // lengths in t times 2^scale are lengths in the graph
   PocketFlow flow;
   std::vector<std::uint32_t> component;  // per cell; 0 is the outside, kNoIndex in the complex
   std::uint32_t components = 0;
@@ -79,8 +80,10 @@ struct ClimbEnd {
 // until another ball is near.
 std::optional<Vec3d> rise(const std::vector<Sphere>& balls, const ClearancePass& pass,
                           std::size_t side) {
-  double step = 1e-3;
-  for (int i = 0; i < 10; ++i, step /= 2) {
+  constexpr double kFirstStep = 1e-3;  // scaled: far shorter than the distance to another ball
+  constexpr int kHalvings = 10;
+  double step = kFirstStep;
+  for (int i = 0; i < kHalvings; ++i, step /= 2) {
     const Vec3d place = pass.at.place + (side == 0 ? step : -step) * pass.normal;
     if (clearance_at(balls, place) > pass.at.clearance) return place;
   }
@@ -116,8 +119,8 @@ class ClearanceGraphFinder {
   }
 
  private:
-  // Of the largest radius, between levels. Triangles of passes come and go with the level as radii
-  // differ; most live much longer.
+  // Levels are this share of the largest radius apart. Triangles of passes come and go with the
+  // level as radii differ; most live much longer.
   static constexpr double kStep = 0.12;
   static constexpr int kMostRounds = 6;  // each halves the steps where something is missing
 
@@ -216,7 +219,7 @@ class ClearanceGraphFinder {
   void add_candidate(const PowerTriangulation& t, std::uint32_t c, std::size_t k,
                      std::vector<ClearancePass>& found) const {
     const std::uint32_t n = t.neighbors[c][k];
-    // Taken from there; `seen_` takes a face of the hull once.
+    // The other cell takes the face; `seen_` takes a face of the hull once.
     if (n != kNoIndex && n < c && is_finite_cell(t, n)) return;
     const auto& f = kFacetVertices[k];
     Triangle face;
@@ -234,7 +237,7 @@ class ClearanceGraphFinder {
     const auto weight = [&](const Vec3d& p, const Vec3d& q) {
       return dot(normal, cross(p - at->place, q - at->place));
     };
-    constexpr double kOnEdge = -1e-9;
+    constexpr double kOnEdge = -1e-9;  // of the area: rounding of a circle's centre on an edge
     const double least = std::min(
         {weight(a.center, b.center), weight(b.center, d.center), weight(d.center, a.center)});
     if (!(area > 0) || least < kOnEdge * area) return;

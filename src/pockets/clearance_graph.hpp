@@ -22,22 +22,22 @@ inline constexpr std::uint32_t kOutsideNode = 0;
 struct ClearancePass {
   ClearPlace at;
   std::array<std::uint32_t, 3> balls;  // ascending; as in `base`
-  Vec3d normal;                        // of their triangle, unit
-  std::array<std::uint32_t, 2> nodes;  // to which the clearance rises, along the normal and against
+  Vec3d normal;                        // unit normal of their triangle
+  std::array<std::uint32_t, 2> nodes;  // the summits along the normal, and against it
 };
 
 // Lengths are scaled as in `base`.
 struct ClearanceGraph {
-  PowerTriangulation base;  // of the balls as they are
+  PowerTriangulation base;  // the triangulation of the balls as they are
   // Summits. Node 0 is the outside; nodes 1 to `large` are components above the ceiling, with the
   // highest summits that are known in each.
   std::vector<ClearPlace> nodes;
   std::uint32_t large = 0;
   std::vector<ClearancePass> passes;  // between 0 and the ceiling, by falling clearance
-  // Per length by which balls were grown, how many components are outside of them and not the
-  // outside itself; by exact predicates.
+  // For each length by which balls were grown, the number of enclosed components of what is outside
+  // them; by exact predicates.
   std::map<double, std::uint64_t> enclosed;
-  std::vector<std::uint32_t> start_nodes;  // to which the clearance rises from the starts
+  std::vector<std::uint32_t> start_nodes;  // by start: where the climb from there ends
   bool is_complete = true;                 // summits and passes explain the numbers at all levels
 };
 

@@ -67,7 +67,7 @@ std::uint32_t first_finite_cell(const PowerTriangulation& t) {
 Narrowest narrowest_in(const PowerTriangulation& t, const Vec3d& place) {
   constexpr Gate kNoGate{kNoIndex, kNoIndex, kNoIndex};
   std::vector<double> best(t.cells.size(), -kInfinity);
-  std::map<std::uint32_t, Gate> gates;  // of the ways to cells
+  std::map<std::uint32_t, Gate> gates;  // by cell: the narrowest gate of the way there
   std::priority_queue<std::pair<double, std::uint32_t>> widest;
   const std::uint32_t first = cell_at(t, place, first_finite_cell(t));
   best[first] = kInfinity;
@@ -190,8 +190,8 @@ class EscapeFinder {
     return std::min(gate_at ? gate_at->clearance : s.low, s.from.clearance);
   }
 
-  // Of the largest radius. If the narrowest gate is the same at two levels no farther apart than
-  // the window, it is that in between.
+  // Scaled: the largest radius is from 1/2 to 1. If the narrowest gate is the same at two levels no
+  // farther apart than the window, it is that in between.
   static constexpr double kWindow = 0.03, kSameWidth = 1e-11;
   static constexpr int kMostGuesses = 30;
 

@@ -21,8 +21,8 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 class FlowFinder {
  public:
-  FlowFinder(const PowerTriangulation& t, const DualComplex& k, Monitor* monitor)
-      : t_(t), k_(k), monitor_(monitor) {
+  FlowFinder(const PowerTriangulation& t, const DualComplex& complex, Monitor* monitor)
+      : t_(t), complex_(complex), monitor_(monitor) {
     out_.obtuse.assign(t.cells.size(), 0);
     out_.pocket.assign(t.cells.size(), kNoIndex);
   }
@@ -65,7 +65,7 @@ class FlowFinder {
       if (side == Sign::negative) {
         out_.obtuse[c] = static_cast<std::uint8_t>(out_.obtuse[c] | (1u << k));
       }
-      if (k_.cell_in_complex[c]) continue;
+      if (complex_.cell_in_complex[c]) continue;
       ties.faces += side == Sign::zero;
       ties.cells += is_cell_tie(c, k);
     }
@@ -87,7 +87,7 @@ class FlowFinder {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       if (!is_finite_cell(t_, c)) {
         queue.push_back(c);
-      } else if (!k_.cell_in_complex[c]) {
+      } else if (!complex_.cell_in_complex[c]) {
         out_.pocket[c] = kInPocket;
         ++out_.empty_cells;
       }
@@ -114,7 +114,7 @@ class FlowFinder {
     for (const std::uint32_t c : out_.cells) {
       for (std::size_t k = 0; k < 4; ++k) {
         const std::uint32_t n = t_.neighbors[c][k];
-        if (n > c && out_.pocket[n] == kInPocket && k_.cell_triangles[c][k] == kNoIndex) {
+        if (n > c && out_.pocket[n] == kInPocket && complex_.cell_triangles[c][k] == kNoIndex) {
           sets.join(c, n);
         }
       }
@@ -131,7 +131,7 @@ class FlowFinder {
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
   const PowerTriangulation& t_;
-  const DualComplex& k_;
+  const DualComplex& complex_;
   Monitor* monitor_;
   PocketFlow out_;
 };

@@ -50,9 +50,9 @@ struct PocketParts {
 
 class PocketMeasurer {
  public:
-  PocketMeasurer(const PowerTriangulation& t, const DualComplex& k, const PocketFlow& flow,
+  PocketMeasurer(const PowerTriangulation& t, const DualComplex& complex, const PocketFlow& flow,
                  const PocketOptions& options)
-      : t_(t), k_(k), flow_(flow), options_(options), parts_(flow.pockets) {
+      : t_(t), complex_(complex), flow_(flow), options_(options), parts_(flow.pockets) {
     if (options.measures == PocketMeasures::exact) neighbors_ = ball_neighbors(t);
   }
 
@@ -71,7 +71,7 @@ class PocketMeasurer {
     std::vector<Pocket> pockets;
     for (PocketParts& parts : parts_) {
       pockets.push_back(pocket_of(parts));
-      pockets.back().bottleneck_alpha = scaled(ways.alpha(parts.deepest), 2);
+      pockets.back().bottleneck_alpha = unscaled(ways.alpha(parts.deepest), 2);
     }
     if (options_.measures == PocketMeasures::exact) add_clearances(pockets);
     sort(pockets);
@@ -80,13 +80,16 @@ class PocketMeasurer {
 
  private:
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
-  double scaled(double value, int dimension) const {
+  // A length (dimension 1), area (2) or volume (3) in units of Å.
+  double unscaled(double value, int dimension) const {
     return std::ldexp(value, dimension * t_.scale_exponent);
   }
-  Vec3d scaled(const Vec3d& v) const { return {scaled(v.x, 1), scaled(v.y, 1), scaled(v.z, 1)}; }
+  Vec3d unscaled(const Vec3d& v) const {
+    return {unscaled(v.x, 1), unscaled(v.y, 1), unscaled(v.z, 1)};
+  }
 
   CellMeasures measure(std::uint32_t c) const {
-    CellMeasures out{castp_sums(t_, k_, c), {}};
+    CellMeasures out{castp_sums(t_, complex_, c), {}};
     if (options_.measures == PocketMeasures::exact) {
       out.exact = cell_remainder(t_, neighbors_, c);
     } else {
@@ -104,13 +107,13 @@ class PocketMeasurer {
     parts.volume_sum.add(m.sums.volume), parts.area_sum.add(m.sums.area);
     for (const auto& [b, area] : m.exact.ball_area) parts.ball_area[b].add(area);
     for (const std::uint32_t v : t_.cells[c]) {
-      if (k_.in_complex[v]) parts.balls.push_back(v);
+      if (complex_.in_complex[v]) parts.balls.push_back(v);
     }
     if (flow_.obtuse[c] == 0) add_sink(parts, c);
     for (std::uint32_t k = 0; k < 4; ++k) {
       const std::uint32_t n = t_.neighbors[c][k];
       // A neighbour that is empty and in no pocket is outside, and so is infinity.
-      if (k_.cell_triangles[c][k] != kNoIndex || flow_.pocket[n] != kNoIndex) continue;
+      if (complex_.cell_triangles[c][k] != kNoIndex || flow_.pocket[n] != kNoIndex) continue;
       parts.mouth_faces.push_back({.cell = c,
                                    .slot = k,
                                    .area = m.exact.face_area[k],
@@ -121,14 +124,14 @@ class PocketMeasurer {
     }
   }
 
-  // Not scaled.
+  // In Å.
   Sphere alpha_sphere(std::uint32_t c) const {
     const Vec3d center = center_of(c);
     double nearest = std::numeric_limits<double>::infinity();
     for (const std::uint32_t v : t_.cells[c]) {
       nearest = std::min(nearest, norm(center - ball(v).center) - ball(v).radius);
     }
-    return {scaled(center), scaled(nearest, 1)};
+    return {unscaled(center), unscaled(nearest, 1)};
   }
 
   std::size_t slot_of_neighbor(std::uint32_t of, std::uint32_t neighbor) const {
@@ -149,9 +152,10 @@ class PocketMeasurer {
     std::ranges::sort(parts.balls);
     const auto last = std::unique(parts.balls.begin(), parts.balls.end());
     Pocket pocket{};
-    pocket.volume = scaled(parts.volume.value(), 3), pocket.area = scaled(parts.area.value(), 2);
-    pocket.volume_sum = scaled(parts.volume_sum.value(), 3);
-    pocket.area_sum = scaled(parts.area_sum.value(), 2);
+    pocket.volume = unscaled(parts.volume.value(), 3),
+    pocket.area = unscaled(parts.area.value(), 2);
+    pocket.volume_sum = unscaled(parts.volume_sum.value(), 3);
+    pocket.area_sum = unscaled(parts.area_sum.value(), 2);
     pocket.mouths = mouths_of(parts.mouth_faces);
     pocket.kind = pocket.mouths.empty()       ? PocketKind::enclosed
                   : pocket.mouths.size() == 1 ? PocketKind::pocket
@@ -163,8 +167,8 @@ class PocketMeasurer {
     pocket.spheres = pocket.corners.size();
     pocket.tetrahedra = parts.tetrahedra, pocket.sinks = parts.sinks.size();
     pocket.poked_faces = parts.poked_faces;
-    pocket.depth_center = pocket.clear_place = scaled(center_of(parts.deepest));
-    pocket.depth_alpha = scaled(parts.depth_alpha, 2);
+    pocket.depth_center = pocket.clear_place = unscaled(center_of(parts.deepest));
+    pocket.depth_alpha = unscaled(parts.depth_alpha, 2);
     return pocket;
   }
 
@@ -183,9 +187,9 @@ class PocketMeasurer {
     });
     const auto widths = escape_clearances(t_, places, options_.monitor);
     for (std::size_t i = 0; i < pockets.size(); ++i) {
-      pockets[i].clear_place = scaled(places[i].place);
-      pockets[i].clearance = scaled(places[i].clearance, 1);
-      if (widths[i]) pockets[i].bottleneck_clearance = scaled(*widths[i], 1);
+      pockets[i].clear_place = unscaled(places[i].place);
+      pockets[i].clearance = unscaled(places[i].clearance, 1);
+      if (widths[i]) pockets[i].bottleneck_clearance = unscaled(*widths[i], 1);
     }
   }
 
@@ -208,7 +212,7 @@ class PocketMeasurer {
     constexpr double kNoArea = 1e-13;
     std::vector<LiningSphere> lining;
     for (const auto& [b, sum] : parts.ball_area) {
-      if (sum.value() > kNoArea) lining.push_back({t_.ids[b], scaled(sum.value(), 2)});
+      if (sum.value() > kNoArea) lining.push_back({t_.ids[b], unscaled(sum.value(), 2)});
     }
     std::ranges::sort(lining, {}, &LiningSphere::id);
     return lining;
@@ -223,7 +227,8 @@ class PocketMeasurer {
       for (std::size_t m = 0; m < 3; ++m) {
         const auto edge = std::minmax({v[m], v[(m + 1) % 3]});
         const auto [at, is_new] = face_at.try_emplace(edge, i);
-        if (!is_new && dual_edge(k_, edge.first, edge.second) == kNoIndex) sets.join(at->second, i);
+        if (!is_new && dual_edge(complex_, edge.first, edge.second) == kNoIndex)
+          sets.join(at->second, i);
       }
     }
     std::map<std::uint32_t, std::vector<MouthFace>> joined;
@@ -253,11 +258,11 @@ class PocketMeasurer {
       center = center + triangle / 3 * (a + b + c);
       weight += triangle;
     }
-    return {.area = scaled(area.value(), 2),
-            .rim = scaled(rim.value(), 1),
-            .area_sum = scaled(area_sum.value(), 2),
-            .rim_sum = scaled(rim_sum.value(), 1),
-            .center = scaled(1 / weight * center),
+    return {.area = unscaled(area.value(), 2),
+            .rim = unscaled(rim.value(), 1),
+            .area_sum = unscaled(area_sum.value(), 2),
+            .rim_sum = unscaled(rim_sum.value(), 1),
+            .center = unscaled(1 / weight * center),
             .faces = faces.size()};
   }
 
@@ -272,7 +277,7 @@ class PocketMeasurer {
   }
 
   const PowerTriangulation& t_;
-  const DualComplex& k_;
+  const DualComplex& complex_;
   const PocketFlow& flow_;
   const PocketOptions& options_;
   BallNeighbors neighbors_;

@@ -63,12 +63,12 @@ struct Pocket {
   // spheres; as fpocket's alpha spheres, for pictures. With PocketMeasures::exact.
   std::vector<Sphere> alpha_spheres;
   std::uint64_t tetrahedra, sinks;  // a sink has no flow out of it
-  std::uint64_t poked_faces;        // of mouths: flow comes in through them
+  std::uint64_t poked_faces;        // faces of mouths through which flow comes in
   // The sink of greatest size, the centre (Å) and the size (Å²) of its orthogonal sphere.
   Vec3d depth_center;
   double depth_alpha;
-  // Å²: the largest size of which no face is smaller on the best way from there to infinity. Above
-  // 0 for pockets, below for voids.
+  // Å²: the size of the smallest face on the best way from there to infinity. Above 0 for pockets,
+  // below for voids.
   double bottleneck_alpha;
   // The same in distances, which power is not if radii differ. The place of greatest clearance that
   // is found by climbing from the sinks, and its clearance (Å), the distance to the nearest sphere:

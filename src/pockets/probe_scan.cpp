@@ -1,5 +1,7 @@
-// probe_scan(): Kruskal's algorithm over passes by falling clearance; of two places that join, the
-// one for larger probes goes on (elder rule). way_out(): the way in the same tree.
+// probe_scan(): the merge tree of the summits of the clearance (clearance_graph.hpp), by Kruskal's
+// algorithm over their passes by falling clearance. When two sets of summits join, the place of the
+// lower one ends there (elder rule). way_out() follows that tree from a summit to the outside: no
+// other way there has a wider narrowest pass.
 #include "pockets/probe_scan.hpp"
 
 #include <fmt/format.h>
@@ -8,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "complex/simplex_shape.hpp"
 #include "core/errors.hpp"
@@ -24,7 +27,8 @@ SphereSet grown(const SphereSet& atoms, double by) {
   return SphereSet(std::move(balls));
 }
 
-// Places and radii of a graph whose balls are grown by `lowest`, Å.
+// Converts a graph's scaled places and clearances to Å. Its balls are grown by `lowest`, which is
+// added to a clearance to get the radius of the probe.
 class GraphScale {
  public:
   GraphScale(const ClearanceGraph& graph, double lowest) : graph_(graph), lowest_(lowest) {}
@@ -47,7 +51,18 @@ class GraphScale {
   const double lowest_;
 };
 
-// Joins nodes at passes; of two sets, the name of the one with the higher summit goes on.
+// Whether node a is the elder of b: more clearance, which is infinite for the outside. Of equal
+// places the coordinates decide, because the numbers of nodes depend on those of the balls.
+bool is_elder(const ClearanceGraph& graph, std::uint32_t a, std::uint32_t b) {
+  const auto key = [&](std::uint32_t i) {
+    const auto& [place, clearance] = graph.nodes[i];
+    return std::tuple(-clearance, place.x, place.y, place.z, i);
+  };
+  return key(a) < key(b);
+}
+
+// Joins sets of nodes at passes, in the order of graph.passes: by falling clearance. A set is named
+// by its eldest node.
 class MergeTree {
  public:
   explicit MergeTree(const ClearanceGraph& graph) : graph_(graph), parent_(graph.nodes.size()) {
@@ -65,19 +80,13 @@ class MergeTree {
     for (const ClearancePass& pass : graph_.passes) {
       std::uint32_t elder = find(pass.nodes[0]), younger = find(pass.nodes[1]);
       if (elder == younger) continue;
-      if (is_elder(younger, elder)) std::swap(elder, younger);
+      if (is_elder(graph_, younger, elder)) std::swap(elder, younger);
       parent_[younger] = elder;
       join(younger, elder, pass);
     }
   }
 
  private:
-  // Of summits of one height, the lower number is older.
-  bool is_elder(std::uint32_t a, std::uint32_t b) const {
-    const double at_a = graph_.nodes[a].clearance, at_b = graph_.nodes[b].clearance;
-    return at_a > at_b || (at_a == at_b && a < b);
-  }
-
   const ClearanceGraph& graph_;
   std::vector<std::uint32_t> parent_;
 };
@@ -103,8 +112,7 @@ ProbeScan probe_scan(const SphereSet& atoms, double lowest, double highest, Moni
   const ClearanceGraph graph =
       clearance_graph(grown(atoms, lowest), highest - lowest, {}, monitor, memory_limit);
   const GraphScale scale(graph, lowest);
-  // Places in order of nodes; node 0 has none.
-  std::vector<ScanPlace> found(graph.nodes.size());
+  std::vector<ScanPlace> found(graph.nodes.size());  // by node; kOutsideNode, 0, is no place
   for (std::size_t i = 1; i < found.size(); ++i) {
     found[i].center = scale.place(graph.nodes[i].place);
     found[i].radius = scale.radius(graph.nodes[i].clearance);
@@ -116,16 +124,10 @@ ProbeScan probe_scan(const SphereSet& atoms, double lowest, double highest, Moni
   });
   std::vector<std::uint32_t> order(found.size() - 1);
   std::iota(order.begin(), order.end(), 1u);
-  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
-    const auto key = [&](std::uint32_t i) {
-      const ScanPlace& p = found[i];
-      return std::array{-p.radius, p.center.x, p.center.y, p.center.z};
-    };
-    return key(a) < key(b);
-  });
+  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) { return is_elder(graph, a, b); });
   std::vector<std::size_t> index(found.size());
   for (std::size_t i = 0; i < order.size(); ++i) index[order[i]] = i;
-  ProbeScan scan{{}, {}, graph.is_complete};
+  ProbeScan scan{.places = {}, .voids = {}, .is_complete = graph.is_complete};
   for (const std::uint32_t i : order) {
     ScanPlace& place = scan.places.emplace_back(found[i]);
     if (joins[i] == kNoIndex) continue;
@@ -135,7 +137,8 @@ ProbeScan probe_scan(const SphereSet& atoms, double lowest, double highest, Moni
       place.joins = index[joins[i]];
     }
   }
-  // An elder joins the outside later than the place that joined it, and stands before it.
+  // A place that joined an elder opens when the elder does. The elder stands before it, so its
+  // opens_at is final.
   for (ScanPlace& place : scan.places) {
     if (place.joins) place.opens_at = scan.places[*place.joins].opens_at;
   }
@@ -149,7 +152,8 @@ namespace {
 struct TreeEdge {
   std::uint32_t to;
   const ClearancePass* pass;
-  std::size_t side;  // of the pass, on which `to` is
+  std::size_t to_side;  // `to` is pass->nodes[to_side]
+  std::size_t from_side() const { return 1 - to_side; }
 };
 
 // The passes from a node to the outside. Empty if there is no way, or the node is outside.
@@ -167,7 +171,7 @@ std::vector<TreeEdge> edges_to_outside(const ClearanceGraph& graph, std::uint32_
     const std::uint32_t at = queue[next];
     for (const TreeEdge& e : edges[at]) {
       if (e.to == kOutsideNode || towards[e.to].pass) continue;
-      towards[e.to] = {at, e.pass, 1 - e.side};
+      towards[e.to] = {at, e.pass, e.from_side()};
       queue.push_back(e.to);
     }
   }
@@ -187,14 +191,16 @@ class WayMaker {
              double ceiling) && {
     add(start);
     for (const TreeEdge& e : edges) {
-      std::vector<ClearPlace> back = way_up(graph_.base.balls, *e.pass, 1 - e.side, ceiling);
-      std::ranges::reverse(back);
-      add(back);
+      // The climb to the node behind, reversed; below, that to the node ahead.
+      std::vector<ClearPlace> down = way_up(graph_.base.balls, *e.pass, e.from_side(), ceiling);
+      std::ranges::reverse(down);
+      add(down);
       way_.gates.push_back(scale_.gate(*e.pass));
       add({e.pass->at}, true);
-      add(way_up(graph_.base.balls, *e.pass, e.side, ceiling));
+      add(way_up(graph_.base.balls, *e.pass, e.to_side, ceiling));
     }
     way_.length = way_.points.back().along;
+    // Climbs only widen, so without a gate the start is narrowest. Else it does not count.
     way_.bottleneck = way_.points.front().radius;
     const auto narrowest = std::ranges::min_element(way_.gates, {}, &ProbeGate::radius);
     if (narrowest != way_.gates.end()) way_.bottleneck = narrowest->radius;
@@ -217,7 +223,11 @@ class WayMaker {
         if (!is_gate && center == last.center) continue;
       }
       const SphereId nearest = nearest_to(p.place);
-      way_.points.push_back({center, along, scale_.radius(p.clearance), nearest, is_gate});
+      way_.points.push_back({.center = center,
+                             .along = along,
+                             .radius = scale_.radius(p.clearance),
+                             .nearest = nearest,
+                             .is_gate = is_gate});
       way_.spheres.push_back(nearest);
     }
   }
@@ -234,8 +244,8 @@ class WayMaker {
   WayOut way_;
 };
 
-// The radius of the widest way's bottleneck, Å, up to rounding; at most the largest probe at the
-// end of the climb from there. Infinite: nothing stands in the way.
+// The largest probe, Å, that gets to the outside from the summit above `from`; at most the one that
+// fits on the summit. Infinite if the climb from `from` ends outside.
 double bottleneck_from(const SphereSet& atoms, const Vec3d& from, Monitor* monitor,
                        std::uint64_t memory_limit) {
   const PowerTriangulation t = triangulate(atoms, monitor, std::nullopt, memory_limit);
@@ -243,30 +253,35 @@ double bottleneck_from(const SphereSet& atoms, const Vec3d& from, Monitor* monit
   const auto summit = climb_clearance(t.balls, 1 / scale * from);
   if (!summit) return std::numeric_limits<double>::infinity();
   const auto found = escape_clearances(t, {*summit}, monitor).front();
+  // A negative clearance shrinks the spheres, until the smallest has no radius left.
   if (!found) throw InvalidInput("there is no way to the outside before a sphere vanishes");
   return scale * *found;
 }
 
 }  // namespace
 
-WayOut way_out(const SphereSet& atoms, const Vec3d& from, double outside, Monitor* monitor,
+WayOut way_out(const SphereSet& atoms, const Vec3d& from, double outside_probe, Monitor* monitor,
                std::uint64_t memory_limit) {
   if (std::ranges::any_of(atoms.spheres(), [&](const Sphere& s) { return s.center == from; })) {
     throw InvalidInput("a way cannot begin in the centre of a sphere; take a place beside it");
   }
-  // Below the bottleneck by more than the error of its search, Å.
-  constexpr double kBelow = 1e-3;
+  // Å: the graph begins below the bottleneck by more than the error of its search, and spans a
+  // range even if the bottleneck is as wide as the outer probe.
+  constexpr double kBelow = 1e-3, kLeastRange = 1;
   const double bottleneck = bottleneck_from(atoms, from, monitor, memory_limit);
   const std::vector<Sphere> balls(atoms.spheres().begin(), atoms.spheres().end());
   for (;;) {
-    const double lowest = std::min(bottleneck, outside - 1) - kBelow;
-    check_range(atoms, lowest, outside);
+    const double lowest = std::min(bottleneck, outside_probe - kLeastRange) - kBelow;
+    check_range(atoms, lowest, outside_probe);
     const std::vector<Vec3d> starts{from};
-    const ClearanceGraph graph =
-        clearance_graph(grown(atoms, lowest), outside - lowest, starts, monitor, memory_limit);
+    const ClearanceGraph graph = clearance_graph(grown(atoms, lowest), outside_probe - lowest,
+                                                 starts, monitor, memory_limit);
     const double scale = std::ldexp(1.0, graph.base.scale_exponent);
-    const double ceiling = (outside - lowest) / scale;
+    const double ceiling = (outside_probe - lowest) / scale;
     const std::vector<TreeEdge> edges = edges_to_outside(graph, graph.start_nodes[0]);
+    // A closed place where the outer probe fits is one node for all its summits (nodes 1 to
+    // `large`), so the tree has no way through it. Twice the probe fits in fewer of them, and in
+    // the end in none.
     const auto is_large = [&](std::uint32_t node) {
       return node != kOutsideNode && node <= graph.large;
     };
@@ -278,7 +293,7 @@ WayOut way_out(const SphereSet& atoms, const Vec3d& from, double outside, Monito
       climb_clearance(graph.base.balls, 1 / scale * from, ceiling, &start);
       return WayMaker(graph, lowest).run(start, edges, ceiling);
     }
-    outside *= 2;  // a probe of that size fits in closed places that the way passes
+    outside_probe *= 2;
   }
 }
 
@@ -293,7 +308,7 @@ Vec3d place_beside(const SphereSet& atoms, SphereId sphere) {
     const std::array<Sphere, 4> balls{t.balls[v[0]], t.balls[v[1]], t.balls[v[2]], t.balls[v[3]]};
     const Vec3d place = balls[0].center + orthogonal_center(balls);
     const double clearance = clearance_at(t.balls, place);
-    if (scale * clearance > kOutsideProbe) continue;
+    if (scale * clearance > kOutsideProbe) continue;  // this place counts as outside
     if (!best || clearance > best->clearance) best = {place, clearance};
   }
   if (!best) throw InvalidInput("beside that sphere there is no place between spheres");

@@ -65,16 +65,16 @@ struct WayOut {
   std::vector<ProbeGate> gates;   // in the order of the way
   double length;                  // Å
   double bottleneck;              // Å: radius of the narrowest gate; that of the start without one
-  std::vector<SphereId> spheres;  // that are nearest to a point, or at a gate; ascending
+  std::vector<SphereId> spheres;  // all that are nearest to a point or at a gate, ascending
 };
 
 inline constexpr double kOutsideProbe = 5;  // Å
 
-// The widest way from a place to the outside, which a probe of radius `outside` (Å) can reach. It
-// climbs from the place, which is no centre, to a summit; from there every pass on it is as wide as
-// can be. If a larger probe fits at the start, that is the outside. Throws InvalidInput also if a
-// ball would have to vanish before there is a way.
-WayOut way_out(const SphereSet& atoms, const Vec3d& from, double outside = kOutsideProbe,
+// The widest way from a place to the outside, which a probe of radius `outside_probe` (Å) can
+// reach. It climbs from the place, which is no centre, to a summit; from there every pass on it is
+// as wide as can be. If a larger probe fits at the start, that is the outside. Throws InvalidInput
+// also if a ball would have to vanish before there is a way.
+WayOut way_out(const SphereSet& atoms, const Vec3d& from, double outside_probe = kOutsideProbe,
                Monitor* monitor = nullptr, std::uint64_t memory_limit = kNoMemoryLimit);
 
 // The place where a way from a sphere begins: of the orthogonal centres of the tetrahedra at it,

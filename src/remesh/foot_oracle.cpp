@@ -15,7 +15,8 @@ namespace {
 // to some 1e-13 Å, and the feet of arcs lie on two spheres, those of probes on three.
 constexpr double kCoverSlack = 1e-10;
 constexpr int kMostSteps = 8;  // of a projection; beside a crease each gains some digits
-// Cells as share of the largest grown radius, so that lists stay short, and Å for patches.
+// Widths of cells, so that lists stay short: for atoms as a share of the largest grown radius, for
+// patches in Å.
 constexpr double kAtomCells = 1.0 / 3, kPatchCell = 0.7;
 
 Box grown_box(Box box, double by) {

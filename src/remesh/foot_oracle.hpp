@@ -29,8 +29,8 @@ inline constexpr double kOnSurface = 1e-10;
 struct Foot {
   Vec3d point;          // on the surface, Å
   Vec3d normal;         // outward unit normal there
-  double height;        // Å, of x above the surface: negative inside the solid
-  std::uint32_t patch;  // of the foot
+  double height;        // Å: height of x above the surface, negative inside the solid
+  std::uint32_t patch;  // on which the point is
 };
 
 class FootOracle {

@@ -14,10 +14,10 @@ namespace vdwmesh::remesh {
 // What is known of the vertices, each array by vertex.
 struct VertexTable {
   std::vector<Vec3d> position;      // Å
-  std::vector<Vec3d> normal;        // outward, unit; on a crease or corner of about the mean
-  std::vector<double> edge_length;  // Å, that is wanted
+  std::vector<Vec3d> normal;        // outward, unit; about the mean at a crease or corner
+  std::vector<double> edge_length;  // Å: the wanted length of its edges
   std::vector<VertexHold> hold;
-  std::vector<std::uint32_t> patch;  // on which it lies, or one of those
+  std::vector<std::uint32_t> patch;  // its patch, or any of its patches
 };
 
 // The squared sine of the smallest angle of a triangle: the squared double area, divided by the
@@ -35,7 +35,7 @@ struct MeshChange {
 
 class Judge {
  public:
-  // All must outlive this. `farthest`: Å, from the surface.
+  // All must outlive this. `farthest`: how far from the surface triangles may be, Å.
   Judge(const FootOracle& oracle, const VertexTable& vertices, const CrossingGuard& guard,
         double farthest)
       : oracle_(oracle), vertices_(vertices), guard_(guard), farthest_(farthest) {}

@@ -98,7 +98,7 @@ std::uint32_t MeshOperations::collapse_onto(HalfEdge h, double least_shape) {
 std::uint32_t MeshOperations::collapse(HalfEdge h, double least_shape) {
   if (!mesh_.may_collapse(h)) return kNone;
   struct Way {
-    double worst;
+    double worst;  // shape of the worst triangle made; -1: the way is closed
     HalfEdge h;
   };
   Way ways[2] = {{-1, h}, {-1, mesh_.opposite(h)}};
@@ -120,8 +120,8 @@ std::uint32_t MeshOperations::collapse(HalfEdge h, double least_shape) {
   if (ways[1].worst > ways[0].worst) std::swap(ways[0], ways[1]);
   for (const Way& way : ways) {
     if (way.worst < 0) continue;
-    const std::uint32_t left = collapse_onto(way.h, least_shape);
-    if (left != kNone) return left;
+    const std::uint32_t kept = collapse_onto(way.h, least_shape);
+    if (kept != kNone) return kept;
   }
   return kNone;
 }
@@ -153,7 +153,7 @@ bool MeshOperations::split(HalfEdge h) {
   change_.removed = {left, right};
   change_.made = {placed({u, m, a}), placed({m, w, a}), placed({m, u, b}), placed({w, m, b})};
   const double worst = std::min(shape(left), shape(right));
-  if (judge_.allows(change_, std::min(worst, kShapeOfSplit))) {
+  if (judge_.allows(change_, std::min(worst, kLeastSplitShape))) {
     mesh_.split(h);
     note_ring(m);
     return true;
@@ -173,7 +173,7 @@ bool MeshOperations::flip(HalfEdge h) {
   const NewTriangle left = placed({u, b, a}), right = placed({w, a, b});
   const double after = std::min(shape_of(left), shape_of(right));
   if (after <= kBetter * before || !mesh_.may_flip(h)) return false;
-  if (before > kShapeGood) {
+  if (before > kGoodShape) {
     const double was = std::max(judge_.height(placed(mesh_.triangle(h / 3))),
                                 judge_.height(placed(mesh_.triangle(g / 3))));
     if (std::max(judge_.height(left), judge_.height(right)) > was + kAsNear) return false;
@@ -213,14 +213,14 @@ Vec3d MeshOperations::middle_of_crease(std::uint32_t vertex, std::uint32_t& circ
   return sum;
 }
 
-bool MeshOperations::smooth(std::uint32_t vertex, double good, double step) {
+bool MeshOperations::smooth(std::uint32_t vertex, double good, double share_of_way) {
   if (vertices_.hold[vertex] == VertexHold::corner) return false;
   std::uint32_t circle = kNone;
   const Vec3d middle = vertices_.hold[vertex] == VertexHold::crease
                            ? middle_of_crease(vertex, circle)
                            : middle_of_ring(vertex);
   const Vec3d& at = vertices_.position[vertex];
-  const auto foot = place(at + step * (middle - at), vertices_.normal[vertex], circle);
+  const auto foot = place(at + share_of_way * (middle - at), vertices_.normal[vertex], circle);
   if (!foot) return false;
   const double worst = replace_at(vertex, vertex, foot->point);
   const Vec3d normal = std::exchange(vertices_.normal[vertex], foot->normal);

@@ -9,10 +9,10 @@
 
 namespace vdwmesh::remesh {
 
-// Squared sines of angles (shape_of()). Collapses may leave thin triangles, which flips and moves
-// mend: with 20° in place of 7° the collapses get stuck, and 1 % of the angles stay 5° smaller.
-// Moves and flips of triangles above the good shape must pay otherwise.
-inline constexpr double kShapeLeft = 0.015, kShapeGood = 0.41, kShapeOfSplit = 0.03;  // 7, 40, 10°
+// Shapes: squared sines of the least angle (shape_of()), here of 7, 40 and 10°. Collapses may leave
+// thin triangles, which flips and moves mend: with 20° in place of 7° the collapses get stuck, and
+// 1 % of the angles stay 5° smaller. A flip of good triangles must not take them farther away.
+inline constexpr double kLeastCollapsedShape = 0.015, kGoodShape = 0.41, kLeastSplitShape = 0.03;
 // Edges are split from this share of the wanted length on, and no collapse makes longer ones. With
 // 1.5 the density is the one of equilateral triangles of that length within some 7 %.
 inline constexpr double kLongestShare = 1.5;
@@ -34,14 +34,14 @@ class MeshOperations {
   double share(HalfEdge h) const;
   double shape(std::uint32_t triangle) const;
 
-  // Each returns whether it changed the mesh. A collapse returns the vertex that is left, or kNone;
-  // none of its triangles is worse than `least_shape` or the worst one before.
+  // Each returns whether it changed the mesh. A collapse returns the vertex that is left, or kNone.
+  // None of its triangles is worse than `least_shape`, or all are better than the worst one before.
   std::uint32_t collapse(HalfEdge h, double least_shape);
   bool split(HalfEdge h);
   bool flip(HalfEdge h);
   // Moves a vertex this share of the way to the middle of its neighbours. Its worst triangle
-  // becomes better, or is no worse than `good`.
-  bool smooth(std::uint32_t vertex, double good, double step);
+  // becomes better, or has at least the shape `good`.
+  bool smooth(std::uint32_t vertex, double good, double share_of_way);
 
  private:
   std::uint32_t collapse_onto(HalfEdge h, double least_shape);

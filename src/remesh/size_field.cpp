@@ -13,13 +13,13 @@
 namespace vdwmesh::remesh {
 namespace {
 
-constexpr double kSlope = 0.7;  // Å for each Å
+constexpr double kSlope = 0.7;  // by how much wanted lengths grow, for each Å of the way
 // Around a waist stand some 2 π / kWaist vertices. More would double the triangles of a molecule.
 constexpr double kWaist = 6;
-// Shares of the edge length: no feature asks for less, and corners apart want this of their gap.
-constexpr double kLeastShare = 0.05, kCornerGap = 1.1;
+constexpr double kLeastShare = 0.05;  // of the edge length: no feature asks for less
+constexpr double kCornerGap = 1.1;    // corners ask for this share of the gap between them
 
-// Of saddles that are no spindles: thin ones are necks of the surface.
+// Thin saddles that are no spindles are necks of the surface: their vertices get shorter edges.
 void size_waists(const PatchedMesh& surface, const DynamicMesh& mesh, std::vector<double>& sizes) {
   for (HalfEdge h = 0; h < 3 * mesh.triangle_count(); ++h) {
     const SurfacePatch& patch = surface.patches[surface.triangle_patch[h / 3]];

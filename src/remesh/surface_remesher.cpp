@@ -1,11 +1,13 @@
 // remesh_excluded(): the exact mesh, its features, the sizes, and the schedule of operations.
 //
-// 1. Edges are collapsed, the shortest first, as shares of the lengths that are wanted. This does
-//    nearly all of the work.
+// The share of an edge is its length, divided by the length that is wanted there. The shape of a
+// triangle is the squared sine of its least angle (shape_of()).
+//
+// 1. Edges are collapsed, by rising share. This does nearly all of the work.
 // 2. In rounds, long edges are split, short ones collapsed, edges flipped and vertices moved.
 // 3. The triangles with the least angles are made better one by one.
 // 4. The finished mesh is searched for crossings. Where there are some, all is done again with a
-//    zone there (crossing_guard.hpp).
+//    zone there, in which no operation may make a crossing (crossing_guard.hpp).
 // Any state between two operations is a sound mesh but for crossings, so it does not matter for
 // soundness when the rounds end.
 #include "remesh/surface_remesher.hpp"
@@ -38,20 +40,25 @@ using RemeshClock = std::chrono::steady_clock;
 constexpr double kExactShare = 0.9, kLongestExact = 0.7;
 // Edges below these shares of the wanted length are collapsed, first and in rounds.
 constexpr double kShortFirst = 0.8, kShortInRounds = 0.7;
+// Rounds of the whole mesh, flips and moves in each, and rounds of its worst triangles.
 constexpr int kRounds = 3, kFlips = 2, kMoves = 2, kWorstRounds = 3;
-// Shares of the way to the middle of its neighbours that vertices of bad triangles try.
-constexpr double kSteps[] = {1, 0.5, 0.2, -0.2};
-// Triangles may be this many times as far from the surface as the middle of an equilateral one of
-// the wanted length, L² / 6 r; and the least radius r (Å) that counts for that: thinner parts of
-// the surface are meshed as they come.
-constexpr double kFarther = 1.6, kLeastRadius = 0.7;
+// A vertex of a bad triangle tries to go these shares of the way to the middle of its neighbours,
+// the last one away from it.
+constexpr double kAllTheWay = 1, kSteps[] = {kAllTheWay, 0.5, 0.2, -0.2};
+// The middle of an equilateral triangle of edges L is L² / (6 r) from its sphere of radius r.
+// Triangles may be kFarther times as far from the surface.
+constexpr double kFarther = 1.6;
+// Å: replaces a smaller r, so that thin parts of the surface are meshed as they come.
+constexpr double kLeastRadius = 0.7;
 constexpr double kFarthest = 1;      // Å: no triangle is farther, whatever the length
-constexpr double kLeastReach = 0.3;  // Å, of the oracle
+constexpr double kLeastReach = 0.3;  // Å: FootOracle finds points at least up to this distance
 // Of the exact mesh: its corner table and vertices, and a copy of both that is changed; and queues.
 constexpr std::uint64_t kBytesPerTriangle = 240;
-constexpr int kMostRuns = 6, kRunsWithZones = 4;
-constexpr std::uint64_t kStep = 4096;             // operations between two questions to the monitor
-constexpr double kBelow20 = 0.11697777844051098;  // sin² 20°
+// The first runs have zones where those before them made crossings; the last run is one zone.
+constexpr int kRunsWithZones = 4, kMostRuns = kRunsWithZones + 1;
+constexpr std::uint64_t kStep = 4096;  // operations between two questions to the monitor
+constexpr double kShapeOf20Degrees = 0.11697777844051098;  // sin² 20°
+constexpr double kOnlyIfBetter = 1;  // no triangle has this shape, so the worst one must improve
 
 double elapsed_since(RemeshClock::time_point begin) {
   return std::chrono::duration<double>(RemeshClock::now() - begin).count();
@@ -117,8 +124,8 @@ class Schedule {
       counter_.count();
       const HalfEdge h = mesh_.find(u, w);
       if (h == kNone || operations_.share(h) != share) continue;
-      const std::uint32_t left = operations_.collapse(h, kShapeLeft);
-      if (left != kNone) mesh_.visit_spokes(left, offer);
+      const std::uint32_t kept = operations_.collapse(h, kLeastCollapsedShape);
+      if (kept != kNone) mesh_.visit_spokes(kept, offer);
     }
   }
 
@@ -147,7 +154,7 @@ class Schedule {
   void smooth_all() {
     for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
       counter_.count();
-      if (mesh_.is_vertex(v)) operations_.smooth(v, kShapeGood, 1);
+      if (mesh_.is_vertex(v)) operations_.smooth(v, kGoodShape, kAllTheWay);
     }
   }
 
@@ -157,12 +164,12 @@ class Schedule {
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
       if (!mesh_.is_triangle(t)) continue;
       const double shape = operations_.shape(t);
-      if (shape < kShapeGood) found.emplace_back(shape, t);
+      if (shape < kGoodShape) found.emplace_back(shape, t);
     }
     std::ranges::sort(found);
     for (const auto& [shape, t] : found) {
       counter_.count();
-      if (mesh_.is_triangle(t) && operations_.shape(t) < kShapeGood) mend(t);
+      if (mesh_.is_triangle(t) && operations_.shape(t) < kGoodShape) mend(t);
     }
   }
 
@@ -171,15 +178,15 @@ class Schedule {
       if (operations_.flip(h)) return;
     }
     for (const double step : kSteps) {
-      for (const std::uint32_t v : mesh_.triangle(t)) operations_.smooth(v, 1, step);
-      if (operations_.shape(t) >= kShapeGood) return;
+      for (const std::uint32_t v : mesh_.triangle(t)) operations_.smooth(v, kOnlyIfBetter, step);
+      if (operations_.shape(t) >= kGoodShape) return;
     }
     std::vector<HalfEdge> spokes;
     for (const std::uint32_t v : mesh_.triangle(t)) {
       mesh_.visit_spokes(v, [&](HalfEdge h) { spokes.push_back(h); });
     }
     for (const HalfEdge h : spokes) {
-      if (operations_.collapse(h, 1) != kNone) return;
+      if (operations_.collapse(h, kOnlyIfBetter) != kNone) return;
     }
   }
 
@@ -196,7 +203,7 @@ VertexTable vertex_table(const PatchedMesh& surface, const DynamicMesh& mesh,
   table.position.assign(surface.mesh.positions.begin(), surface.mesh.positions.end());
   table.edge_length = edge_lengths(surface, mesh, features, edge_length);
   table.hold = features.hold;
-  table.patch.resize(count);
+  table.patch.resize(count);  // at a feature, any of its patches
   for (std::size_t t = 0; t < surface.mesh.triangle_count(); ++t) {
     for (const std::uint32_t v : surface.mesh.triangles[t]) {
       table.patch[v] = surface.triangle_patch[t];
@@ -247,7 +254,7 @@ void place_triangles(const MeshOperations& operations, const FootOracle& oracle,
     const auto foot = oracle.nearest((1.0 / 3) * (a + b + c), &normal);
     out.mesh.triangles.push_back({numbers[v[0]], numbers[v[1]], numbers[v[2]]});
     out.triangle_patch.push_back(foot ? foot->patch : table.patch[v[0]]);
-    if (shape_of(a, b, c) >= kBelow20) continue;
+    if (shape_of(a, b, c) >= kShapeOf20Degrees) continue;
     ++out.stats.below_20_degrees;
     out.stats.below_20_at_features +=
         std::ranges::any_of(v, [&](std::uint32_t i) { return table.hold[i] != VertexHold::none; });
@@ -281,7 +288,7 @@ class Remesher {
   RemeshedSurface run() {
     const RemeshClock::time_point begin = RemeshClock::now();
     const double length = options_.edge_length;
-    ExcludedMesh exact =
+    const ExcludedMesh exact =
         mesh_excluded(atoms_, {.probe = options_.probe,
                                .edge_length = std::min(kExactShare * length, kLongestExact),
                                .exterior = options_.exterior,
@@ -301,7 +308,6 @@ class Remesher {
     RemeshedSurface out = without_crossings(exact, mesh, features, table, oracle);
     out.stats.exact_triangles = exact.mesh.triangle_count();
     out.stats.crease_edges = features.crease_edges, out.stats.corners = features.corners;
-    out.patches = std::move(exact.patches);
     out.stats.exact_seconds = exact_seconds, out.stats.seconds = elapsed_since(begin);
     return out;
   }
@@ -356,8 +362,8 @@ class Remesher {
 
 }  // namespace
 
-double edge_length_of_density(double per_area) {
-  return std::sqrt(4 / (std::sqrt(3.0) * per_area));
+double edge_length_of_density(double triangles_per_area) {
+  return std::sqrt(4 / (std::sqrt(3.0) * triangles_per_area));
 }
 
 RemeshedSurface remesh_excluded(const SphereSet& atoms, const RemeshOptions& options) {

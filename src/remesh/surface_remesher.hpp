@@ -26,8 +26,8 @@ struct RemeshOptions {
 };
 
 struct RemeshStats {
-  std::uint64_t exact_triangles = 0;            // of the mesh that it started from
-  std::uint64_t crease_edges = 0, corners = 0;  // of that mesh
+  std::uint64_t exact_triangles = 0;            // triangles of the mesh that it started from
+  std::uint64_t crease_edges = 0, corners = 0;  // crease edges and corners of that mesh
   std::uint64_t joined = 0;                     // corners and crease vertices that joined others
   std::uint64_t below_20_degrees = 0;           // triangles with an angle below 20°
   std::uint64_t below_20_at_features = 0;       // of these, those with a vertex on a feature
@@ -42,8 +42,8 @@ struct RemeshedSurface : PatchedMesh {
   RemeshStats stats;
 };
 
-// The edge length of equilateral triangles of this density per Å²: the area of one is √3/4 L².
-double edge_length_of_density(double per_area);
+// The edge length of equilateral triangles, of which so many have 1 Å²: one has √3/4 L².
+double edge_length_of_density(double triangles_per_area);
 
 // The result depends on the arguments alone. Throws as mesh_excluded() does.
 RemeshedSurface remesh_excluded(const SphereSet& atoms, const RemeshOptions& options = {});

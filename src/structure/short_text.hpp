@@ -86,7 +86,7 @@ class ShortText {
   friend std::string operator+(const T& a, const ShortText& b) {
     return std::string(std::string_view(a)).append(b.view());
   }
-  template <class Stream>
+  template <class Stream>  // so that <ostream> is not needed here
   friend auto operator<<(Stream& out, const ShortText& text)
       -> decltype(out << std::string_view()) {
     return out << text.view();
@@ -102,8 +102,8 @@ class ShortText {
     return letters_of(text.data(), text.size()) << 8 | text.size() << 1 | 1;
   }
 
-  // At most seven characters as bytes of a number, the first in the lowest. Reads that overlap need
-  // no loop: they agree in the bytes that both have.
+  // At most seven characters as bytes of a number, the first in the lowest. From 1 to 3 are the
+  // first, middle and last one, from 4 on the first and last four: where they overlap, they agree.
   static std::uint64_t letters_of(const char* text, std::size_t size) {
     const auto letter = [text](std::size_t i) {
       return std::uint64_t{static_cast<unsigned char>(text[i])} << (8 * i);

@@ -7,9 +7,10 @@
 //  3. While the values of a block are in the cache, they go to BracketedValues or into a histogram.
 //     Only the histogram of edge lengths needs all values in one array.
 //
-// Brackets are narrow intervals around the percentiles that a sample leads to expect: only values
-// in them are stored, all others are counted (analysis/distances/distribution.hpp). If a percentile
-// lies in no bracket, a second pass stores all values.
+// A sample of the triangles gives a first guess of each percentile; a bracket is a narrow interval
+// around it. Only values in brackets are stored, all others are counted
+// (analysis/distances/distribution.hpp). If a percentile lies in no bracket, a second pass stores
+// all values.
 //
 // The edge lengths come from survey_part(), which sees each edge once.
 //
@@ -110,8 +111,9 @@ struct Shapes {
       compute(count, block);
       for (std::size_t i = 0; i < count; ++i) {
         const double angle = std::atan2(block.sine[i], block.cosine[i]) * kDegreesPerRadian;
+        // A degenerate triangle has the angle 0 even if its cosine is NaN.
         angles[from - first + i] = block.sine[i] == 0 ? 0 : angle;
-        ratios[with_area] = block.ratio[i];
+        ratios[with_area] = block.ratio[i];  // kept, without a branch, if the triangle has an area
         with_area += block.ratio[i] != -1;
       }
     }
@@ -135,6 +137,7 @@ void add(Histogram& sum, const Histogram& other) {
 
 }  // namespace
 
+// `visit` is called by several threads at once, as BracketedValues::add() may be.
 void visit_shapes(const MeshPart& part,
                   const std::function<void(std::size_t, const TriangleShapes&)>& visit) {
   tbb::enumerable_thread_specific<Shapes> threads;
@@ -193,9 +196,9 @@ MeshQuality quality_of_triangles(const IndexedMesh& mesh, QualitySample sample) 
 MeshQuality quality(const IndexedMesh& mesh) {
   const MeshPart part = whole(mesh);
   QualitySample sample = sample_quality(part, usual_sample_step(mesh.triangle_count()));
-  const Distribution edge_length =
-      distribution_by_sample(std::move(sample.edge_lengths),
-                             [&](BracketedValues& lengths) { survey_part(part, {&lengths}); });
+  const Distribution edge_length = distribution_by_sample(
+      std::move(sample.edge_lengths),
+      [&](BracketedValues& lengths) { survey_part(part, {.edge_lengths = &lengths}); });
   MeshQuality result = quality_of_triangles(mesh, std::move(sample));
   result.edge_length = edge_length;
   return result;
@@ -233,12 +236,12 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   QualityHistograms result;
   const MeshPart part = whole(mesh);
   BracketedValues lengths(bracket_of_everything());
-  survey_part(part, {&lengths});
+  survey_part(part, {.edge_lengths = &lengths});
   // All values are in the only bracket. Edge lengths have four bins for each factor of 2, Å.
   result.edge_length = histogram(lengths.inside(0), BinScale::logarithmic, 0x1p-10, 4, 48);
   // The smallest angle of a triangle is at most 60 degrees and its aspect ratio at least 1. Values
-  // that rounding put beyond these bounds are moved to the bound, so that they count in a bin. A
-  // bin of angles has 2 degrees; ratios have four bins for each factor of 2.
+  // that rounding put beyond these bounds are clamped, so that they count in a bin. A bin of angles
+  // has 2 degrees; ratios have four bins for each factor of 2.
   const auto of_angles = [](std::span<const double> angles) {
     return histogram(angles, BinScale::linear, 0, 60, 30);
   };
@@ -247,24 +250,18 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   };
   struct ThreadQuality {
     Histogram angles, ratios;
-    std::vector<double> moved;
+    std::vector<double> clamped;
   };
   tbb::enumerable_thread_specific<ThreadQuality> threads(
       ThreadQuality{of_angles({}), of_ratios({}), {}});
   visit_shapes(part, [&](std::size_t, const TriangleShapes& shapes) {
     ThreadQuality& mine = threads.local();
-    const auto add_moved = [&](std::span<const double> values, const auto& move, Histogram& sum,
-                               const auto& make) {
-      mine.moved.resize(values.size());
-      std::ranges::transform(values, mine.moved.begin(), move);
-      add(sum, make(mine.moved));
-    };
-    add_moved(
-        shapes.min_angles_deg, [](double angle) { return std::min(angle, 60.0); }, mine.angles,
-        of_angles);
-    add_moved(
-        shapes.aspect_ratios, [](double ratio) { return std::max(ratio, 1.0); }, mine.ratios,
-        of_ratios);
+    mine.clamped.assign(shapes.min_angles_deg.begin(), shapes.min_angles_deg.end());
+    for (double& angle : mine.clamped) angle = std::min(angle, 60.0);
+    add(mine.angles, of_angles(mine.clamped));
+    mine.clamped.assign(shapes.aspect_ratios.begin(), shapes.aspect_ratios.end());
+    for (double& ratio : mine.clamped) ratio = std::max(ratio, 1.0);
+    add(mine.ratios, of_ratios(mine.clamped));
   });
   result.min_angle_deg = of_angles({});
   result.aspect_ratio = of_ratios({});

@@ -11,7 +11,7 @@
 namespace vdwmesh::excluded {
 
 struct SurfaceCell {
-  std::uint32_t element;  // of SurfaceCells: spheres first, then the ranges of saddles
+  std::uint32_t element;  // its number in SurfaceCells: spheres first, then the ranges of saddles
   // Of a sphere: unit vectors to the corners of a spherical triangle within half a sphere. Of a
   // saddle: turn along the arc and profile angle, from the first to the second.
   std::array<Vec3d, 3> corner;

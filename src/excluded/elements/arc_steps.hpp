@@ -148,7 +148,7 @@ struct ReplaceCounts {
 
 struct EmitArcs {
   Circles circles;
-  const std::uint64_t* first;  // of each circle, and the end
+  const std::uint64_t* first;  // by circle: its first arc; and the end
   const std::uint8_t* doubtful;
   const KeptArcs* kept;
   Arc* arcs;
@@ -160,12 +160,12 @@ struct EmitArcs {
                         b = circles.near.other[circles.entry[i]];
     std::uint64_t next = first[i];
     const auto emit = [&](std::uint32_t start, std::uint32_t end, double turns) {
-      arcs[next++] = {{a, b},
-                      {start, end},
-                      {kNone, kNone},
-                      static_cast<std::uint32_t>(first[i]),
-                      static_cast<std::uint32_t>(first[i + 1]),
-                      turns};
+      arcs[next++] = {.ball = {a, b},
+                      .third = {start, end},
+                      .corner = {kNone, kNone},
+                      .circle_first = static_cast<std::uint32_t>(first[i]),
+                      .circle_end = static_cast<std::uint32_t>(first[i + 1]),
+                      .turns = turns};
     };
     if (count > kKeptArcs) {
       circles.visit(i, emit);
@@ -188,12 +188,13 @@ struct PutHostArcs {
   Arc* arcs;
   VDWMESH_HD void operator()(std::uint64_t i) const {
     const HostArc& m = made[i];
-    arcs[first[m.circle] + m.place] = {{m.ball[0], m.ball[1]},
-                                       {m.third[0], m.third[1]},
-                                       {kNone, kNone},
-                                       static_cast<std::uint32_t>(first[m.circle]),
-                                       static_cast<std::uint32_t>(first[m.circle + 1]),
-                                       m.turns};
+    arcs[first[m.circle] + m.place] = {
+        .ball = {m.ball[0], m.ball[1]},
+        .third = {m.third[0], m.third[1]},
+        .corner = {kNone, kNone},
+        .circle_first = static_cast<std::uint32_t>(first[m.circle]),
+        .circle_end = static_cast<std::uint32_t>(first[m.circle + 1]),
+        .turns = m.turns};
   }
 };
 

@@ -84,7 +84,7 @@ struct PutCorners {
 struct LinkCorners {
   Arc* arcs;
   std::uint64_t arc_count;
-  const std::uint64_t* first_corner;  // by arc, and the end
+  const std::uint64_t* first_corner;  // by arc: the first corner that it made; and the end
   ProbeCorner* corners;
   std::uint8_t* failed;  // by arc
 
@@ -144,8 +144,8 @@ struct PlaceLow {
   const ProbeCorner* corners;
   const std::uint32_t* low;  // corners
   Sphere* probes;
-  std::uint32_t* set;     // of each
-  std::uint32_t* low_of;  // by corner
+  std::uint32_t* set;     // the set of each low probe
+  std::uint32_t* low_of;  // by corner: its low probe
 
   VDWMESH_HD void operator()(std::uint64_t i) const {
     const ProbeCorner& c = corners[low[i]];

@@ -158,11 +158,11 @@ class ElementPipeline {
       if (!arcs[i]) fail(balls, ball[2 * i]);
       for (std::size_t k = 0; k < counts.back(); ++k) {
         const ExactArc& arc = (*arcs[i])[k];
-        made.push_back({index[i],
-                        static_cast<std::uint32_t>(k),
-                        {ball[2 * i], ball[2 * i + 1]},
-                        {arc.third[0], arc.third[1]},
-                        arc.turns});
+        made.push_back({.circle = index[i],
+                        .place = static_cast<std::uint32_t>(k),
+                        .ball = {ball[2 * i], ball[2 * i + 1]},
+                        .third = {arc.third[0], arc.third[1]},
+                        .turns = arc.turns});
       }
     }
     const Array<std::uint64_t> by = x_.upload(counts);

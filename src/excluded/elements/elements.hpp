@@ -66,9 +66,9 @@ VDWMESH_HD std::uint64_t lower_bound(std::uint64_t size, std::uint32_t key, cons
 
 // An exposed arc, counter-clockwise about the axis from the lower ball to the higher one.
 struct Arc {
-  std::uint32_t ball[2];   // ascending
-  std::uint32_t third[2];  // that cover the circle before the start and behind the end; kNone: ring
-  std::uint32_t corner[2];                 // at start and end
+  std::uint32_t ball[2];    // ascending
+  std::uint32_t third[2];   // balls that cover the circle before start and after end; kNone: ring
+  std::uint32_t corner[2];  // at start and end
   std::uint32_t circle_first, circle_end;  // the arcs of the same circle, in their order around it
   double turns;                            // roughly its length: 4 is a whole turn
 
@@ -98,11 +98,11 @@ enum class Placing : std::uint8_t { plain, wide, none };
 // A probe that touches three balls.
 struct ProbeCorner {
   CornerName name;
-  std::uint32_t arc[3];  // of the balls 0 and 1, 1 and 2, 0 and 2
-  std::uint8_t end[3];   // of the arc at which the corner is: 0 start, 1 end
+  std::uint32_t arc[3];  // the arcs of the balls 0 and 1, 1 and 2, 0 and 2
+  std::uint8_t end[3];   // which end of that arc the corner is: 0 start, 1 end
   std::uint8_t low;
   Placing placing;
-  Vec3d at;  // from the centre of ball 0
+  Vec3d at;  // the probe's centre, relative to that of ball 0
   double half_chord;
 };
 

@@ -33,7 +33,7 @@ struct SphereFace {
   bool concave;
   std::uint32_t element;  // a ball of the triangulation, or a probe
   Sphere sphere;
-  std::uint32_t patch;  // of a probe that others cut: in CurveComplex::cut; else kNoIndex
+  std::uint32_t patch;  // in CurveComplex::cut, for a probe that others cut; else kNoIndex
 };
 
 // The part of a saddle between two profile angles: the whole saddle, one half of a spindle, or the
@@ -41,7 +41,7 @@ struct SphereFace {
 // of the mesh lies inside of a waist, so that none lie on top of each other on the axis.
 struct SaddlePart {
   double from, to;
-  std::uint32_t half = kNoIndex;  // of a spindle: 0 near ball a, 1 near ball b; else kNoIndex
+  std::uint32_t half = kNoIndex;  // if half a spindle: 0 near ball a, 1 near ball b; else kNoIndex
   bool waist = false;
 };
 

@@ -65,7 +65,14 @@ class SegmentFinder {
       const Vector<T> point = combination(circle.cosine, circle.axis, radius, circle.first);
       if (!is_inside(polygon_depth(c, point))) return;
       const Vec3d at = to_vec(point);
-      patch_.segments.push_back({kNoIndex, c, kNoIndex, 0, 2 * std::numbers::pi, at, at, 0});
+      patch_.segments.push_back({.before = kNoIndex,
+                                 .circle = c,
+                                 .next = kNoIndex,
+                                 .piece = 0,
+                                 .angle = 2 * std::numbers::pi,
+                                 .from = at,
+                                 .to = at,
+                                 .turning = 0});
       return;
     }
     visit_uncovered<Lists, kMostCovers>(covered_, margin_,
@@ -86,8 +93,14 @@ class SegmentFinder {
       if (std::abs(depth) > kDeep) break;
     }
     if (!is_inside(depth)) return;
-    patch_.segments.push_back({ahead.by, c, behind.by, 0, angle, to_vec(from), to_vec(to),
-                               turning_between(c, behind.by, to)});
+    patch_.segments.push_back({.before = ahead.by,
+                               .circle = c,
+                               .next = behind.by,
+                               .piece = 0,
+                               .angle = angle,
+                               .from = to_vec(from),
+                               .to = to_vec(to),
+                               .turning = turning_between(c, behind.by, to)});
   }
 
   // How deep a point of circle c is in the polygon: its distance from the plane of the nearest
@@ -138,17 +151,25 @@ class SegmentFinder {
     for (std::uint32_t s = 0; s < patch_.sides.size(); ++s) {
       const PatchSide& side = patch_.sides[s];
       const std::uint32_t self = caps() + s, before = side_at(side, 0), next = side_at(side, 1);
-      const auto &from = side.contact[0], &to = side.contact[1];
+      const PatchSegment whole{.before = before,
+                               .circle = self,
+                               .next = next,
+                               .piece = 0,
+                               .angle = side.angle[0] + side.angle[1],
+                               .from = side.contact[0],
+                               .to = side.contact[1],
+                               .turning = side.turning};
       if (!side.spindle) {
-        const double angle = side.angle[0] + side.angle[1];
-        patch_.segments.push_back({before, self, next, 0, angle, from, to, side.turning});
+        patch_.segments.push_back(whole);
         continue;
       }
-      const double turning = turning_between(self, side.gap, circles_.sides[s].cusp[0]);
-      patch_.segments.push_back(
-          {before, self, side.gap, 0, side.angle[0], from, side.cusp[0], turning});
-      patch_.segments.push_back(
-          {side.gap, self, next, 0, side.angle[1], side.cusp[1], to, side.turning});
+      PatchSegment first = whole, second = whole;  // up to the gap, and after it
+      first.next = second.before = side.gap;
+      first.angle = side.angle[0], second.angle = side.angle[1];
+      first.to = side.cusp[0], second.from = side.cusp[1];
+      first.turning = turning_between(self, side.gap, circles_.sides[s].cusp[0]);
+      patch_.segments.push_back(first);
+      patch_.segments.push_back(second);
     }
   }
 

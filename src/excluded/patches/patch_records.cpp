@@ -104,7 +104,7 @@ void PatchRecords::add_whole(const AccessibleSurface& surface, std::uint32_t pro
   const std::uint32_t loops = p.side_count > 0 ? 1 : 0;
   pieces.push_back(
       {probe, loops, p.solid_angle, polygon_vector(patch_sides(surface, p)), p.solid_angle});
-  for (std::uint32_t s = 0; s < p.side_count; ++s) side_piece[p.first_side + s] = {piece, piece};
+  for (std::uint32_t s = 0; s < p.side_count; ++s) side_piece[p.sides_begin + s] = {piece, piece};
   layer += p.solid_angle / 3;
 }
 
@@ -121,7 +121,7 @@ void PatchRecords::add_cut(const AccessibleSurface& surface, const ConcavePatch&
       // The side of a spindle has two segments, one at either atom. Any other side has one.
       const PatchSide& side = patch.sides[s.circle - caps];
       const bool from_a = surface.arcs[side.arc].ball[0] == side.atom[0];
-      auto& near = side_piece[surface.probes[patch.probe].first_side + s.circle - caps];
+      auto& near = side_piece[surface.probes[patch.probe].sides_begin + s.circle - caps];
       if (!side.spindle || s.next == side.gap) near[from_a ? 0 : 1] = first + s.piece;
       if (!side.spindle || s.before == side.gap) near[from_a ? 1 : 0] = first + s.piece;
       if (side.spindle && s.next == side.gap) piece.bend -= kPi - s.turning;

@@ -19,14 +19,14 @@ enum class ArcEnd : std::uint8_t { start, end };
 // sphere.
 struct PatchSide {
   std::uint32_t arc;
-  ArcEnd end;                         // of the arc, at which the probe is
+  ArcEnd end;                         // the end of the arc at which the probe is
   std::array<std::uint32_t, 2> atom;  // from, to
   Vec3d inward;                       // unit normal of the side's plane
   std::array<Vec3d, 2> contact;       // unit vectors to the atoms
-  std::array<Vec3d, 2> cusp;          // of a spindle: unit vectors to the cusps near the atoms
-  std::array<double, 2> angle;        // of the side up to its radical plane, or up to the cusps
+  std::array<Vec3d, 2> cusp;          // if a spindle: unit vectors to the cusps near the atoms
+  std::array<double, 2> angle;        // from the atoms to the radical plane, or to the cusps
   bool spindle;
-  std::uint32_t gap;  // of a spindle: the cap that ends at the cusps
+  std::uint32_t gap;  // if a spindle: the cap that ends at the cusps
   double turning;     // exterior angle where the side ends
 };
 

@@ -55,6 +55,14 @@ std::size_t side_of(const RolledArc& arc, std::uint32_t ball) {
   return arc.ball[0] == ball ? 0 : 1;
 }
 
+// A whole sphere, before loops are cut from it.
+ContactPiece uncut_piece(std::uint32_t ball) {
+  ContactPiece piece{};
+  piece.ball = ball;
+  piece.solid_angle = 4 * std::numbers::pi;
+  return piece;
+}
+
 // The middle of the box around the centres.
 Vec3d middle_of(const std::vector<Sphere>& balls) {
   Vec3d lower = balls[0].center, upper = lower;
@@ -237,14 +245,14 @@ void AccessibleSurface::gather_corners() {
   }
   std::uint32_t first = 0;
   for (Probe& p : probes) {
-    p.first_corner = first;
+    p.corners_begin = first;
     first += std::exchange(p.corner_count, 0);
   }
   corners.resize(first);
   for (std::uint32_t c = 0; c < probe_at_.size(); ++c) {
     if (probe_at_[c] == kNoIndex) continue;
     Probe& p = probes[probe_at_[c]];
-    corners[p.first_corner + p.corner_count++] = c;
+    corners[p.corners_begin + p.corner_count++] = c;
   }
 }
 
@@ -260,7 +268,7 @@ void AccessibleSurface::list_sides() {
   sides.reserve(3 * probes.size());
   for (std::uint32_t i = 0; i < probes.size(); ++i) {
     Probe& p = probes[i];
-    p.first_side = static_cast<std::uint32_t>(sides.size());
+    p.sides_begin = static_cast<std::uint32_t>(sides.size());
     for (const CornerIndex c : corners_of(p)) {
       const DualTriangle& f = triangle_of(c);
       p.low = p.low || is_low(c);
@@ -272,7 +280,7 @@ void AccessibleSurface::list_sides() {
         arcs[arc].probe[static_cast<std::size_t>(end)] = i;
       }
     }
-    p.side_count = static_cast<std::uint32_t>(sides.size()) - p.first_side;
+    p.side_count = static_cast<std::uint32_t>(sides.size()) - p.sides_begin;
     p.center = corner_point(p.corner);
   }
 }
@@ -316,7 +324,8 @@ void AccessibleSurface::find_pieces() {
     const ContactLoop& loop = table.loops[l];
     if (lowest[l] == l) {
       piece_of_loop[l] = static_cast<std::uint32_t>(contacts.size());
-      contacts.push_back({loop.ball, 0, 0, true, 4 * std::numbers::pi, {0, 0, 0}});
+      contacts.push_back(uncut_piece(loop.ball));
+      contacts.back().point = true;
       has_piece[loop.ball] = 1;
     }
     piece_of_loop[l] = piece_of_loop[lowest[l]];
@@ -330,12 +339,11 @@ void AccessibleSurface::find_pieces() {
   }
   for (std::uint32_t v = 0; v < has_piece.size(); ++v) {
     if (complex_.exposed[v] && !has_piece[v]) {
-      contacts.push_back({v, 0, 0, false, 4 * std::numbers::pi, {0, 0, 0}});
+      contacts.push_back(uncut_piece(v));
     }
   }
 }
 
-// Returns for each loop the lowest loop of the same piece.
 std::vector<std::uint32_t> AccessibleSurface::lowest_loops(const ContactLoops& table) const {
   std::vector<std::array<std::uint32_t, 2>> rings;
   for (const auto& [ball, list] : table.several) {

@@ -1,8 +1,8 @@
-// The accessible surface in the form in which the excluded one is made of it: arcs on which a probe
-// rolls, probes at its corners, pieces of contact patches, and connected components.
+// The accessible surface, prepared as the input of the excluded one: arcs on which a probe rolls,
+// probes at its corners, pieces of contact patches, and connected components.
 //
 // Everything combinatorial comes from the dual complex of the grown balls. Corners that are one
-// point are gathered here: two corners at the ends of an arc without length belong to one probe.
+// point are gathered here: two corners at the ends of a dropped arc belong to one probe.
 // Lengths are scaled as in the triangulation, and positions are relative to `origin`.
 #pragma once
 
@@ -16,11 +16,10 @@
 
 namespace vdwmesh::excluded {
 
-// An arc is without length if its angle times the radius of its circle is below this (scaled: the
-// largest grown ball has a radius from 1/2 to 1), unless other corners are so near that wide
-// numbers have to tell all of them apart (drop_short_arcs()). Coordinates in double, some radii
-// from the origin, are about as far as 1e-14 from what was meant. This leaves them room to be
-// multiplied by the condition of a corner, and an error of the area that no double shows.
+// Arcs shorter than this (scaled: the largest grown ball has a radius from 1/2 to 1) are dropped.
+// Where several corners are as near, drop_short_arcs() tells them apart by wide numbers instead.
+// Coordinates some radii from the origin are wrong by about 1e-14, and those of a corner may be
+// 1000 times as wrong. The area of what is dropped shows in no digit of a double.
 inline constexpr double kNoLength = 1e-11;
 
 // An exposed arc as an element of the surface. The saddle lies along it. A ring is a whole circle
@@ -29,24 +28,26 @@ struct RolledArc : ArcShape {
   std::uint32_t edge;                    // of the complex
   std::array<std::uint32_t, 2> ball;     // a, b
   std::array<std::uint32_t, 2> probe;    // at start and end; kNoIndex: a ring
-  std::array<std::uint32_t, 2> beyond;   // arcs of the circle behind start and end; may be itself
+  std::array<std::uint32_t, 2> beyond;   // the circle's arcs before start and after end, or itself
   std::array<std::uint32_t, 2> contact;  // pieces of contact patches on a and b
   Vec3d center;                          // of the circle
-  bool dropped;  // without length, between corners of one probe; then `radial` is 0
+  bool dropped;  // shorter than kNoLength, between corners of one probe; ArcShape::radial is 0
 
   bool is_ring() const { return probe[0] == kNoIndex; }
 };
 
+// An arc that ends at a probe, and which of its ends is there.
 struct ProbeSide {
   std::uint32_t arc;
-  ArcEnd end;  // of the arc, at which the probe is
+  ArcEnd end;
 };
 
 // The probe at a corner, or at several gathered ones.
 struct Probe {
   Vec3d center;
-  CornerIndex corner;  // the first one
-  std::uint32_t first_side, side_count, first_corner, corner_count;
+  CornerIndex corner;                         // the lowest of its corners
+  std::uint32_t sides_begin, side_count;      // see sides_of()
+  std::uint32_t corners_begin, corner_count;  // see corners_of()
   std::uint32_t component;
   double solid_angle;  // of the uncut concave patch
   bool low;            // nearer than the probe's radius to the plane of three of its atoms
@@ -56,14 +57,14 @@ struct Probe {
 struct ContactPiece {
   std::uint32_t ball, component;
   std::uint32_t loops;  // boundary loops with an arc that is not dropped
-  bool point;           // has a boundary, but none that is not dropped
+  bool point;           // has a boundary, and all arcs of it are dropped
   double solid_angle;
   Vec3d vector;  // integral of the outward normal over the piece of the unit sphere
 };
 
 struct ComponentMeasures {
   double area, volume;  // scaled; the volume is negative inside a cavity
-  Vec3d home;           // a point near by, in the coordinates of the triangulation
+  Vec3d home;           // centre of one of its balls, in the triangulation: see place()
 };
 
 // The flux ∫ q · n dA / 3 of the position through a part of a sphere. `vector` is ∫ n dω.
@@ -81,7 +82,7 @@ class AccessibleSurface {
                     Monitor* monitor);
 
   double probe_radius;
-  Vec3d origin;
+  Vec3d origin;  // the middle of the box around the balls' centres
   std::vector<RolledArc> arcs;
   std::vector<Probe> probes;
   std::vector<ProbeSide> sides;      // by probe
@@ -95,13 +96,13 @@ class AccessibleSurface {
   std::vector<std::uint8_t> outer_components() const;
 
   std::span<const ProbeSide> sides_of(const Probe& p) const {
-    return std::span(sides).subspan(p.first_side, p.side_count);
+    return std::span(sides).subspan(p.sides_begin, p.side_count);
   }
   std::span<const CornerIndex> corners_of(const Probe& p) const {
-    return std::span(corners).subspan(p.first_corner, p.corner_count);
+    return std::span(corners).subspan(p.corners_begin, p.corner_count);
   }
   const DualTriangle& triangle_of(CornerIndex corner) const {
-    return complex_.triangles[corner / 2];
+    return complex_.triangles[corner / 2];  // see CornerIndex
   }
   const BoundaryShapes& shapes() const { return shapes_; }
   const DualComplex& complex() const { return complex_; }
@@ -148,7 +149,7 @@ class AccessibleSurface {
     const CommonPoints& points = shapes_.corners(corner / 2);
     return corner % 2 == 0 ? points.above : points.below;
   }
-  // The arc at a corner on an edge of the corner's triangle.
+  // The arc at a corner on an edge of the complex, which is one of the corner's triangle.
   std::uint32_t& arc_at(CornerIndex corner, std::uint32_t edge);
   void place_arcs(double no_length);
   void gather_corners();
@@ -156,7 +157,9 @@ class AccessibleSurface {
   void list_sides();
   void link_circles();
   void find_pieces();
+  // Numbers the boundary loops of the exposed parts of balls, and returns how many there are.
   std::uint32_t number_loops(Buffer<std::uint32_t>& loop_of) const;
+  // For each loop the lowest number of a loop of the same piece.
   std::vector<std::uint32_t> lowest_loops(const ContactLoops& table) const;
   void measure_pieces();
   void find_components();
@@ -164,9 +167,10 @@ class AccessibleSurface {
   const PowerTriangulation& triangulation_;
   const DualComplex& complex_;
   const BoundaryShapes& shapes_;
-  std::vector<ExposedArc> exposed_;                   // by arc
-  std::vector<std::array<std::uint32_t, 3>> arc_at_;  // by corner: the arc on each edge
-  std::vector<std::uint32_t> probe_at_;               // by corner
+  std::vector<ExposedArc> exposed_;  // by arc
+  // By corner: the arc on each edge, in the order of DualTriangle::edges.
+  std::vector<std::array<std::uint32_t, 3>> arc_at_;
+  std::vector<std::uint32_t> probe_at_;  // by corner
 };
 
 }  // namespace vdwmesh::excluded

@@ -14,7 +14,7 @@ namespace vdwmesh::excluded {
 struct ShellTable {
   std::vector<ExcludedShell> shells;  // scaled; outer surfaces first, each by falling |volume|
   double residual;                    // ExcludedTopology::gauss_bonnet_residual
-  std::uint64_t unmatched_patches;    // with a crease that the other probe does not have
+  std::uint64_t unmatched_patches;    // patches with a crease that the other probe does not have
   std::uint64_t cusps;                // ends of spindle saddles, each point once
 };
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/errors.hpp"
 #include "pockets/pockets.hpp"
@@ -86,6 +87,46 @@ TEST(ProbeScan, ChambersJoinBeforeTheyOpen) {
   EXPECT_NEAR(scan.places[1].gate->center.x, a, kRounding);
   EXPECT_LT(*scan.places[0].opens_at, scan.places[1].gate->radius);
   EXPECT_EQ(scan.places[0].opens_at, scan.places[1].opens_at);
+}
+
+// Three equal chambers in a row between squares of balls, `width` apart. A plug closes each end. As
+// the squares are wider than the sides, the chambers join before they open.
+std::vector<Sphere> equal_chambers(const Vec3d& corner, double length, double width, double r) {
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 16; ++i) {
+    balls.push_back({corner + Vec3d{width * (i & 1), width * (i >> 1 & 1), length * (i / 4)}, r});
+  }
+  for (const double z : {-2.5, 3 * length + 2.5}) {
+    balls.push_back({corner + Vec3d{width / 2, width / 2, z}, r});
+  }
+  return balls;
+}
+
+// Radii that are equal up to rounding: a place joins one before it all the same, and all open
+// together. The numbers of the balls change nothing.
+TEST(ProbeScan, EqualPlacesOpenTogether) {
+  constexpr double length = 4.2, width = 5, r = 2;
+  Dice dice(1);
+  for (int set = 0; set < 8; ++set) {
+    const Vec3d corner{dice.real(-9, 9), dice.real(-9, 9), dice.real(-9, 9)};
+    std::vector<Sphere> balls = equal_chambers(corner, length, width, r);
+    for (const double highest : {1.8, 2.6}) {
+      std::optional<Vec3d> eldest;
+      for (int numbering = 0; numbering < 3; ++numbering) {
+        std::ranges::rotate(balls, balls.begin() + 5);
+        const ProbeScan scan = probe_scan(SphereSet(balls), 1.2, highest);
+        ASSERT_EQ(scan.places.size(), 3u);
+        for (std::size_t i = 0; i < 3; ++i) {
+          EXPECT_LT(scan.places[i].joins.value_or(0), std::max<std::size_t>(i, 1)) << set;
+          EXPECT_EQ(scan.places[i].joins.has_value(), i > 0) << set;
+          ASSERT_TRUE(scan.places[i].opens_at) << set;
+          EXPECT_NEAR(*scan.places[i].opens_at, std::hypot(length, width) / 2 - r, kRounding);
+        }
+        if (!eldest) eldest = scan.places[0].center;
+        EXPECT_EQ(scan.places[0].center, *eldest) << set;
+      }
+    }
+  }
 }
 
 // At one radius, the places that are still apart are the voids of the dual complex, and they open
