@@ -206,6 +206,14 @@ El weighed(El given, std::string_view name, std::string_view residue, std::strin
   return is_whole || (given == El::Se && known == El::S) ? given : known;
 }
 
+// Whether symbol and name agree on an ion, and the residue has the name of another: "NA" of "CL".
+bool is_other_ion(El given, std::string_view name, std::string_view residue) {
+  if (name.size() != 2 || two_letters(name[0], name[1]) != given || residue.size() < 2)
+    return false;
+  const El ion = element_of_ion(residue, residue);
+  return ion != El::X && ion != given && !is_organic(ion) && !is_ligand_with_metals(residue);
+}
+
 // Whether the symbol is the letter by which the name begins, in a residue that does not make more
 // of it: so it is with nearly all atoms.
 bool is_plain(std::string_view symbol, std::string_view name, std::string_view residue,
@@ -231,6 +239,7 @@ void read_element(std::string_view symbol, std::string_view name, NamePlace plac
   } else if (given != El::X) {
     atom.element = weighed(given, bare, of_residue, name, place);
     atom.symbol_overruled = atom.element != given;
+    atom.is_other_ion = is_other_ion(given, bare, of_residue);
   } else if (capitals(symbol) != "X" || in_known_residue(bare, of_residue) != El::X) {
     atom.element_guessed = true;
     atom.element =

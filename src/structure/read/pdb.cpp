@@ -366,7 +366,7 @@ class PdbReader {
     read_element(symbol, columns(record_, 12, 4),
                  layout_.names_at_left ? NamePlace::word : NamePlace::columns, residue, atom);
     file_.elements_in_doubt |= atom.element_guessed || atom.symbol_overruled || atom.is_virtual ||
-                               atom.element == gemmi::El::D;
+                               atom.is_other_ion || atom.element == gemmi::El::D;
   }
 
   // A number with a point is a charge or a factor, and no segment id.
