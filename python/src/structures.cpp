@@ -11,6 +11,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "arrays.hpp"
 #include "call.hpp"
@@ -154,6 +155,19 @@ bool may_weigh(gemmi::Element element, double mass) {
   return false;
 }
 
+// The symbol of an atom's element in an object of another package, and whether it is another than
+// the one that the object has: symbol and names are weighed as those of a file are, which may be
+// where the object has them from. "" for what is no atom.
+std::pair<std::string, bool> weighed_element(const std::string& residue, const std::string& atom,
+                                             const std::string& symbol) {
+  AtomRecord record;
+  record.hetero = true;  // may be of any residue
+  record.element = gemmi::find_element(element_of_symbol(symbol));
+  read_element(symbol, atom, NamePlace::word, residue, record);
+  const bool is_known = record.element != gemmi::El::X;
+  return {is_known ? gemmi::element_name(record.element) : "", bool{record.symbol_overruled}};
+}
+
 // The symbol of an atom's element, told by its names and its mass (u), of which any may be missing;
 // "" if they tell none, or contradict each other and the mass is of no element.
 std::string told_element(const std::string& residue, const std::string& atom,
@@ -239,6 +253,7 @@ void bind_structures(py::module_& module) {
   module.def("read_bytes", &read_bytes);
   module.def("read_sample", &read_builtin);
   module.def("told_element", &told_element);
+  module.def("weighed_element", &weighed_element);
   module.def("highest_locations", &highest_locations);
   module.def("is_water", &is_water);
   module.def("reference_area", &reference_area);

@@ -73,6 +73,14 @@ GridSpec grid_of(const Numbers& volume) {
   return {{0, 0, 0}, 1, {cells(2), cells(1), cells(0)}};
 }
 
+// Throws unless doubles tell the nodes apart and reach them all.
+void check(const GridFrame& frame, const Vec3i& cells) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<std::size_t>(axis);  // of the caller; `cells` has them reversed
+    vdwmesh::check({{frame.origin[k], 0, 0}, frame.spacing[k], {cells[2 - axis], 0, 0}});
+  }
+}
+
 // Normals are gradients, which scale with the inverse of lengths.
 Vec3f turned(const Vec3f& n, const Triple& spacing) {
   const Vec3d g{static_cast<double>(n.z) / spacing[0], static_cast<double>(n.y) / spacing[1],
@@ -101,6 +109,7 @@ MeshHandle marching_cubes(const py::buffer& array, double level, const Triple& s
     ExtractOptions options;
     options.monitor = &monitor;
     options.memory_limit = default_memory_limit();
+    check({spacing, origin}, grid_of(volume).cells);
     Buffer<float> converted;
     const SampledFieldView field{grid_of(volume), values_of(volume, converted, monitor),
                                  static_cast<float>(level)};

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import Brief, chosen, floats, view
+from vdwmesh._arrays import Brief, chosen, floats, refuse_masked, view
 from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, HasCudaArray
 from vdwmesh._excluded import ExcludedMeasures, measure_excluded
 from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, as_arrays, measure
@@ -387,6 +387,7 @@ def _groups(mode: str, groups: Any, source: Atoms, count: int) -> tuple[Ids | No
 
 def _label_list(groups: Any) -> list[Any]:
     """Labels of any kind that can be compared: numbers, strings, tuples; rows become tuples."""
+    refuse_masked("groups", groups)
     array = groups if isinstance(groups, (list, tuple)) else np.asarray(groups).tolist()
     if not isinstance(array, (list, tuple)):
         raise InvalidInput("groups: a label for each atom is needed")

@@ -211,20 +211,33 @@ def _is_guessed(group: Any, attribute: str) -> bool:
 
 
 def _told(count: int, elements: Any, resnames: Any, names: Any, masses: Any) -> list[str]:
-    """The elements that are given; else those that names and masses tell, "" where they do not."""
+    """The elements that are given, weighed against the names as those of files are; else those that
+    names and masses tell, "" where they do not."""
     found = [""] * count if elements is None else [str(element).strip() for element in elements]
-    known: dict[tuple[str, str, float | None], str] = {}
+    known: dict[tuple[str, str, str, float | None], tuple[str, bool]] = {}
+    overruled = []
     for i, element in enumerate(found):
-        if element:
-            continue
-        key = (
-            "" if resnames is None else str(resnames[i]).strip(),
-            "" if names is None else str(names[i]).strip(),
-            None if masses is None or np.isnan(masses[i]) else float(masses[i]),
+        mass = None if element or masses is None or np.isnan(masses[i]) else float(masses[i])
+        residue, name = (
+            "" if column is None else str(column[i]).strip() for column in (resnames, names)
         )
+        if element == VIRTUAL:
+            continue
+        key = (residue, name, element, mass)
         if key not in known:
-            known[key] = _core.told_element(raw(key[0]), raw(key[1]), key[2])
-        found[i] = known[key]
+            told = (raw(residue), raw(name))
+            known[key] = (
+                _core.weighed_element(*told, raw(element)) if element else (_core.told_element(*told, mass), False)
+            )
+        found[i], is_overruled = known[key]
+        if is_overruled:
+            overruled.append(f"{found[i]} for {name} of {residue}")
+    if overruled:
+        warnings.warn(
+            f"the elements of {len(overruled)} atoms contradict the names of atom and residue, which decided: "
+            f"the first is {overruled[0]}",
+            stacklevel=5,
+        )
     return found
 
 
@@ -300,6 +313,7 @@ def _from_biotite(source: Any) -> Atoms:
     begins = np.any([column[1:] != column[:-1] for column in columns], axis=0)
     return replace(
         found,
+        elements=_told(len(found.names), found.elements, found.resnames, found.names, None),
         residues=np.concatenate(([0], np.cumsum(begins))).tolist(),
         chains=columns[0],
         resids=columns[1],
@@ -324,11 +338,13 @@ def _from_gemmi(source: Any) -> Atoms:
             (atom.occ for atom, _, _ in found),
         )
         found = [found[i] for i in kept]
+    resnames, names = [residue.name for _, residue, _ in found], [atom.name for atom, _, _ in found]
+    symbols = [atom.element.name for atom, _, _ in found]  # "X" where gemmi tells none
     return Atoms(
         coords=[(atom.pos.x, atom.pos.y, atom.pos.z) for atom, _, _ in found],
-        elements=[atom.element.name if atom.element.atomic_number else "" for atom, _, _ in found],
-        resnames=[residue.name for _, residue, _ in found],
-        names=[atom.name for atom, _, _ in found],
+        elements=_told(len(found), symbols, resnames, names, None),
+        resnames=resnames,
+        names=names,
         residues=[id(residue) for _, residue, _ in found],  # `found` keeps each one alive
         chains=[chain for _, _, chain in found],
         resids=[str(residue.seqid) for _, residue, _ in found],

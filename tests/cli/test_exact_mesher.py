@@ -77,6 +77,14 @@ class ExactMesher(ProgramTest):
         self.assertEqual(len(told), 1 if announced else 0)
         self.assertIs(document["comparison"]["proof"]["topology_is_exact"], not announced)
 
+    def test_says_that_surfaces_touch_in_points(self):
+        """Two balls with one common point."""
+        path = self.file("touching.xyzr", "0 0 0 1\n2 0 0 1\n")
+        notes = self.report("report", path)["notes"]
+        self.assertTrue(any("touch" in note and "self-intersections" in note for note in notes), notes)
+        apart = self.file("apart.xyzr", "0 0 0 1\n3 0 0 1\n")
+        self.assertEqual(self.report("report", apart)["notes"], [])
+
     def test_says_which_files_lose_the_spheres_of_triangles(self):
         for name in ("a.ply", "a.obj", "a.off", "a.stl", "a.glb"):
             for mesher in ("exact", "marching-cubes"):

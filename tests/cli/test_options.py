@@ -57,6 +57,10 @@ class Refusals(ProgramTest):
         path = self.file("a.pqr", "ATOM 1 N MET 1 -6.4 5.5 -3.3 -0.3 1.85\n")
         self.assert_refused(BAD_INPUT, "exact", path, "--radii", "alvarez", says=("--radii",))
 
+    def test_a_sample_has_its_own_format(self):
+        for verb in ("exact", "report"):
+            self.assert_refused(BAD_INPUT, verb, "--sample", "bpti", "--format", "xyzr", says=("--format", "--sample"))
+
     def test_a_radius_file_adds_to_a_set(self):
         mine, table = self.file("mine.txt", "ZN 2.5\nMET CA 3\nmet CA 4\n"), self.folder / "r.json"
         self.run_ok("exact", UBIQUITIN, "--radii", f"Bondi,{mine}", "--json", table)

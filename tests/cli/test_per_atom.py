@@ -63,6 +63,14 @@ class PerAtom(ProgramTest):
             for row in rows:
                 self.assert_close(float(row["exact_area"]), int(row["atoms"]) * area, SUM)
 
+    def test_a_guess_about_column_21_is_said(self):
+        """HIS of a chain AA, or HISA of GROMOS; beside an ALA of the chain AA nothing is guessed."""
+        atom = "ATOM  {:>5}  CA  {}A   1    {:8.3f}   0.000   0.000  1.00  0.00           C\n"
+        his, ala = atom.format(1, "HISA", 0.0), atom.format(2, "ALAA", 9.0)
+        for name, text, count in (("his.pdb", his, 1), ("both.pdb", his + ala, 0)):
+            warnings = self.report("exact", self.file(name, text))["warnings"]
+            self.assertEqual(sum("column 21" in warning for warning in warnings), count, warnings)
+
     def test_segments_stay_apart(self):
         """Residues of two segments with one number: rows of their own, also without chain ids."""
         atom = "ATOM  {0:5}  CA  ALA {1}{2:4}    {3:8.3f}   0.000   0.000  1.00  0.00      {4}   C  \n"

@@ -6,6 +6,7 @@ import sys
 import tempfile
 import types
 import unittest
+import warnings
 from unittest import mock
 
 import numpy as np
@@ -181,6 +182,38 @@ class SourcesTest(unittest.TestCase):
                 self.assertEqual(found.resids.tolist(), expected.resids.tolist())
                 self.assertEqual(found.resnames.tolist(), expected.resnames.tolist())
                 np.testing.assert_allclose(found.relative, expected.relative, rtol=1e-3)
+    NAMES_AS_SYMBOLS = """\
+ATOM      1  N   SER A   1       0.000   0.000   0.000  1.00 10.00           N
+ATOM      2  CA  SER A   1       9.000   0.000   0.000  1.00 10.00          CA
+ATOM      3  HG  SER A   1      18.000   0.000   0.000  1.00 10.00          HG
+ATOM      4 CA    CA A   2      27.000   0.000   0.000  1.00 10.00          CA
+END
+"""
+
+    def test_symbols_that_are_names_are_weighed(self):
+        """Packages take symbols from files of programs that write names there."""
+        path = self.folder / "n.pdb"
+        path.write_text(self.NAMES_AS_SYMBOLS)
+        for open_file in self.opened(path):
+            with self.subTest(open_file), self.assertWarnsRegex(UserWarning, "2 atoms contradict the names"):
+                self.assert_elements(open_file(), ["N", "C", "H", "Ca"])
+        alpha_sphere = self.NAMES_AS_SYMBOLS.replace(" HG  SER A   1", " POL STP A   3").replace("HG\n", " P\n")
+        path.write_text(alpha_sphere)
+        for open_file in self.opened(path):
+            with self.subTest(open_file), warnings.catch_warnings(), self.assertRaisesRegex(ValueError, "POL of STP"):
+                warnings.simplefilter("ignore")
+                vdwmesh.exact(open_file())
+
+    def opened(self, path):
+        """What the packages make of a file."""
+        mdanalysis = need_package("python3-mdanalysis", module="MDAnalysis")
+        mdtraj = need_package("python3-mdtraj", module="mdtraj")
+        gemmi = need_package("python3-gemmi", module="gemmi")
+        need_package("python3-biopython", module="Bio")
+        from Bio.PDB import PDBParser
+        return (lambda: mdanalysis.Universe(str(path)), lambda: mdtraj.load(str(path)),
+                lambda: gemmi.read_structure(str(path)),
+                lambda: PDBParser(QUIET=True).get_structure("x", str(path)))  # fmt: skip
 
     ALTERNATIVES = """\
 ATOM      1  N   SER A   1       0.000   0.000   0.000  1.00 10.00           N

@@ -100,6 +100,7 @@ class WrongArgumentsTest(unittest.TestCase):
         masked = np.ma.masked_array(radii, [False, True])
         for call in (lambda: vdwmesh.exact(np.ma.masked_less(coords, 1), radii), lambda: vdwmesh.exact(coords, masked),
                      lambda: vdwmesh.exact(coords, radii, atoms=masked > 0),
+                     lambda: vdwmesh.sasa(coords, radii, mode="residue", groups=masked),
                      lambda: vdwmesh.radii_of(np.ma.masked_array(["C", "N"], [True, False]))):
             with self.assertRaisesRegex(ValueError, "has masked elements"):
                 call()

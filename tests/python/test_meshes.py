@@ -375,6 +375,14 @@ class MarchingCubesTest(unittest.TestCase):
             with self.subTest(value), self.assertRaisesRegex(ValueError, r"volume\[\(1, 2, 0\)\]: (nan|inf) is not"):
                 vdwmesh.marching_cubes(volume, 0.5)
 
+    def test_grids_that_doubles_do_not_tell_apart_are_refused(self):
+        """Nodes half a unit apart at 10^16, where doubles are 2 apart, and nodes beyond the largest."""
+        far = {"origin": (1e16, 0, 0)}, {"origin": (0, 0, -1e12), "spacing": (1, 1, 1e-5)}, {"spacing": (1, 1e308, 1)}
+        for options in far:
+            with self.subTest(options), self.assertRaisesRegex(vdwmesh.LimitExceeded, "double precision"):
+                vdwmesh.marching_cubes(self.ball(), 0, **options)
+        self.assertGreater(len(vdwmesh.marching_cubes(self.ball(), 0, origin=(1e12, 0, 0)).faces), 0)
+
     def test_the_border_is_closed(self):
         mesh = vdwmesh.marching_cubes(np.ones((3, 4, 5)), 0.5)
         self.assertTrue(edges_are_paired(mesh.faces))

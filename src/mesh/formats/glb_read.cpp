@@ -370,6 +370,12 @@ class GlbReader {
     note(static_cast<std::uint64_t>(std::ranges::count_if(
              model_.nodes, [](const tinygltf::Node& node) { return node.skin >= 0; })),
          "nodes have a skin, which is not applied: their meshes are as they were bound");
+    const auto has_targets = [](const tinygltf::Mesh& mesh) {
+      return std::ranges::any_of(mesh.primitives,
+                                 [](const auto& primitive) { return !primitive.targets.empty(); });
+    };
+    note(static_cast<std::uint64_t>(std::ranges::count_if(model_.meshes, has_targets)),
+         "meshes have morph targets, which are not applied: they are as without");
     for (const std::string& name : model_.extensionsUsed)
       if (!keeps_triangles(name))
         file_.notes.push_back(fmt::format("the extension {} is not applied", name));

@@ -103,7 +103,7 @@ class BinaryBody {
     return std::all_of(at_, end_, [](char c) { return c == '\n' || c == '\r' || c == ' '; });
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw FileFormatError(fmt::format("byte {}: {}", at_ - begin_, what));
+    throw FileFormatError(fmt::format("byte {}: {}", at_ - begin_, in_ascii(what)));
   }
 
  private:

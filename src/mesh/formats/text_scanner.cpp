@@ -15,6 +15,13 @@
 
 namespace vdwmesh::formats {
 
+std::string in_ascii(std::string_view text) {
+  std::string printed(text);
+  std::replace_if(
+      printed.begin(), printed.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return printed;
+}
+
 std::string_view TextScanner::word() {
   skip_blanks();
   const char* first = at_;
@@ -25,7 +32,8 @@ std::string_view TextScanner::word() {
 const void* TextScanner::find_newline() const { return std::memchr(at_, '\n', bytes_left()); }
 
 void TextScanner::fail_at(const char* position, const std::string& what) const {
-  throw FileFormatError(fmt::format("line {}: {}", 1 + std::count(begin_, position, '\n'), what));
+  throw FileFormatError(
+      fmt::format("line {}: {}", 1 + std::count(begin_, position, '\n'), in_ascii(what)));
 }
 
 void TextScanner::fail_number() const {

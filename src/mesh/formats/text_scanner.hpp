@@ -10,6 +10,9 @@
 
 namespace vdwmesh::formats {
 
+// The text with "?" for whatever ASCII does not print: words of a file may hold any bytes.
+std::string in_ascii(std::string_view text);
+
 // Comments run from # to the end of the line. A line ends with a line feed; carriage returns count
 // as blanks.
 class TextScanner {

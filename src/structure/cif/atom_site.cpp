@@ -198,7 +198,8 @@ void AtomSiteBuilder::set_element(const AtomSiteRow& row, AtomRecord& record) {
   }
   read_element(row.symbol, row.atom, NamePlace::word, row.residue, record);
   file_.elements_in_doubt |= record.element_guessed || record.symbol_overruled ||
-                             record.is_virtual || record.element == gemmi::El::D;
+                             record.is_other_ion || record.is_virtual ||
+                             record.element == gemmi::El::D;
 }
 
 void AtomSiteBuilder::add(const AtomSiteRow& row) {

@@ -90,7 +90,6 @@ class Choice {
     molecule_.path = file.path;
     molecule_.format = file.format;
     molecule_.assembly = options.assembly;
-    molecule_.warnings = file.warnings;
   }
 
   UnexpandedMolecule run(const RadiusTable& table) {
@@ -105,6 +104,8 @@ class Choice {
     refuse_if_empty();
     mark_measured();
     mark_groups();
+    molecule_.warnings.insert(molecule_.warnings.begin(), file_.warnings.begin(),
+                              file_.warnings.end());
     if (options_.assembly == "asymmetric")
       take_asymmetric();
     else

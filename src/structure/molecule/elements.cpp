@@ -146,18 +146,20 @@ El of_aligned_name(std::string_view name) {
 // Symbols that programs give to what is no atom: virtual sites (OpenMM, mdtraj), lone pairs,
 // dummies of free-energy calculations, alpha spheres (fpocket).
 constexpr std::array<std::string_view, 7> kVirtualSymbols{"VS", "EP", "LP", "MW", "XX", "DU", "VE"};
-// How names of virtual sites and lone pairs begin.
-constexpr std::array<std::string_view, 4> kVirtualNames{"EP", "LP", "VS", "MW"};
+// How names of virtual sites, lone pairs and dummies begin.
+constexpr std::array<std::string_view, 5> kVirtualNames{"EP", "LP", "VS", "MW", "DU"};
 
 // Whether the names are of something that is no atom: all of residue DUM (membranes of OPM), alpha
-// spheres of fpocket, pseudo-atoms of PyMOL, the site M of water models ("OM"), virtual sites,
+// spheres of fpocket, pseudo-atoms of PyMOL, sites of water models ("OM", "IW"), virtual sites,
 // masses and pseudo-atoms of amino acids ("MCB1", "QB"). `given` is the element of the symbol.
 bool is_virtual(std::string_view symbol, std::string_view name, std::string_view residue,
                 El given) {
   const auto begins_name = [name](std::string_view prefix) { return name.starts_with(prefix); };
   if (residue == "DUM" || (residue == "STP" && (name == "POL" || name == "APOL"))) return true;
   if (residue == "PSD" && symbol == "PS") return true;
-  if (name == "OM" && is_named_as_water(residue)) return true;
+  if ((name == "OM" || name == "IW") && is_named_as_water(residue)) return true;
+  // A program that takes the first letter of "VS1" for its symbol; no vanadium is called so.
+  if (given == El::V && name.starts_with("VS")) return true;
   if (given != El::X || symbol == "X") return false;
   if (std::find(kVirtualSymbols.begin(), kVirtualSymbols.end(), symbol) != kVirtualSymbols.end())
     return true;
@@ -198,8 +200,18 @@ El weighed(El given, std::string_view name, std::string_view residue, std::strin
   if (is_rest_of(given, known) || is_positional(given, name)) return known;
   if (gemmi::is_hydrogen(given) && gemmi::is_hydrogen(known)) return given;
   if (!has_only_light_atoms(residue)) return element_of_ion(name, residue) != El::X ? known : given;
-  const bool is_whole = name.size() > 1 && two_letters(name[0], name[1]) == given;
+  // "XE1" of GLX is no xenon, whoever says so.
+  const bool is_whole =
+      name.size() > 1 && two_letters(name[0], name[1]) == given && given != El::Xe;
   return is_whole || (given == El::Se && known == El::S) ? given : known;
+}
+
+// Whether symbol and name agree on an ion, and the residue has the name of another: "NA" of "CL".
+bool is_other_ion(El given, std::string_view name, std::string_view residue) {
+  if (name.size() != 2 || two_letters(name[0], name[1]) != given || residue.size() < 2)
+    return false;
+  const El ion = element_of_ion(residue, residue);
+  return ion != El::X && ion != given && !is_organic(ion) && !is_ligand_with_metals(residue);
 }
 
 // Whether the symbol is the letter by which the name begins, in a residue that does not make more
@@ -210,7 +222,7 @@ bool is_plain(std::string_view symbol, std::string_view name, std::string_view r
   if (symbol.size() != 1 || !is_organic(atom.element) || atom.element == El::D) return false;
   name = trimmed(name);
   return !name.empty() && name[0] == symbol[0] && name != residue && residue != "DUM" &&
-         (!atom.hetero || residue == "HOH") &&
+         residue != "STP" && (!atom.hetero || residue == "HOH") &&
          (name.size() < 2 || kLaterLetters.find(name[1]) == std::string_view::npos);
 }
 
@@ -227,6 +239,7 @@ void read_element(std::string_view symbol, std::string_view name, NamePlace plac
   } else if (given != El::X) {
     atom.element = weighed(given, bare, of_residue, name, place);
     atom.symbol_overruled = atom.element != given;
+    atom.is_other_ion = is_other_ion(given, bare, of_residue);
   } else if (capitals(symbol) != "X" || in_known_residue(bare, of_residue) != El::X) {
     atom.element_guessed = true;
     atom.element =

@@ -30,17 +30,19 @@ enum class NamePlace : std::uint8_t { columns, word };
 // - An atom and a residue that have the same ion's name are that ion ("SOD" of "SOD").
 // - A single letter is the rest of a symbol if the name says so: "C" of "CA" in "OEX" is calcium.
 //   "C" is chlorine if the name begins with "CL" in column 13, or with "Cl".
+// Symbol and name decide together against a residue that has the name of another ion, and
+// atom.is_other_ion is set ("NA" of "CL").
 // Without a symbol, or with one of no element, the names decide, and atom.element_guessed is set.
 // Virtual sites, lone pairs, dummies and alpha spheres are no atoms: atom.is_virtual is set, and
 // the element is X. `symbol` "X" is an atom whose element nobody knows; it stays X.
 void read_element(std::string_view symbol, std::string_view name, NamePlace place,
                   std::string_view residue, AtomRecord& atom);
 
-// Decides what takes a look at the whole residue, if file.elements_in_doubt, and adds a warning
-// that counts the symbols that were overruled. Drude particles become virtual: they are called as
-// their atom with D in front and lie upon it. A name such as "CA1" or "HF" in column 13 means a
-// light element if the residue has other atoms. Where the symbols of the file are the first letters
-// of names, those of ligands are read as names too.
+// Decides what takes a look at the whole residue, if file.elements_in_doubt, and adds warnings
+// that count the symbols that were overruled and the ions in residues of others. Drude particles
+// become virtual: they are called as their atom with D in front and lie upon it. A name such as
+// "CA1" or "HF" in column 13 means a light element if the residue has other atoms. Where the
+// symbols of the file are the first letters of names, those of ligands are read as names too.
 void settle_elements(ParsedFile& file);
 
 // The element from an atom name as it stands in columns 13-16 of a PDB record. An element of two

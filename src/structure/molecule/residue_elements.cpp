@@ -157,8 +157,10 @@ El element_of_ion(std::string_view name, std::string_view residue) {
   // both tables of ions: with an atom "I" in the PDB, with an atom "IOD" in CHARMM.
   if (odd != El::X && element_named(atom) == odd) return odd;
   if (residue == "ION" && name != "ION") return element_of_ion(name, name);
-  if (atom != ion) return El::X;
   const El charmm = find_named(kCharmmIons, ion);
+  // "NA" of "SOD". "CA" may be the alpha carbon of another CAL.
+  if (charmm != El::X && charmm != El::Ca && element_named(atom) == charmm) return charmm;
+  if (atom != ion) return El::X;
   return charmm != El::X ? charmm : element_named(ion);
 }
 

@@ -126,6 +126,17 @@ void warn_of_overruled(const Sites& sites, ParsedFile& file) {
       first->atom->name.view(), first->place->residue->name, first->place->residue->seqid.str()));
 }
 
+void warn_of_other_ions(const Sites& sites, ParsedFile& file) {
+  const auto is_other = [](const Site& site) { return site.atom->is_other_ion; };
+  const auto first = std::find_if(sites.begin(), sites.end(), is_other);
+  if (first == sites.end()) return;
+  file.warnings.push_back(fmt::format(
+      "{} atoms are ions by symbol and name, which decided, in residues with the name of another: "
+      "the first is {} in {} {}",
+      std::count_if(first, sites.end(), is_other), gemmi::element_name(first->atom->element),
+      first->place->residue->name, first->place->residue->seqid.str()));
+}
+
 }  // namespace
 
 void settle_elements(ParsedFile& file) {
@@ -142,6 +153,7 @@ void settle_elements(ParsedFile& file) {
   });
   if (names_as_symbols) read_symbols_as_names(sites);
   warn_of_overruled(sites, file);
+  warn_of_other_ions(sites, file);
 }
 
 }  // namespace vdwmesh

@@ -76,8 +76,8 @@ gemmi::Selection::SequenceId take_number(std::string_view& text, int number) {
 // "10", "10-40", "-3--1", "10-", "*-40", "(ALA,GLY)", "10-40(ALA)" or "10(ALA)-40". A single number
 // is one residue.
 // "-10" is one as well where the file counts below 0, as `negative` says; elsewhere it is what
-// gemmi reads, all up to 10.
-void read_residues(std::string_view field, bool negative, gemmi::Selection& selection) {
+// gemmi reads, all up to 10: then the function returns true.
+bool read_residues(std::string_view field, bool negative, gemmi::Selection& selection) {
   const std::string_view whole = field;
   const auto take_names = [&] {
     if (!field.starts_with('(')) return;
@@ -100,6 +100,7 @@ void read_residues(std::string_view field, bool negative, gemmi::Selection& sele
     selection.to_seqid = selection.from_seqid;
   }
   if (!field.empty()) misread(whole);
+  return is_open;
 }
 
 // Which field a selection begins with that leaves out the first ones: 0 model, 1 chain, 2 residue,
@@ -123,7 +124,7 @@ bool has_negative_numbers(const gemmi::Structure& structure) {
 }  // namespace
 
 // Reads chains, residues, names of atoms and segments, and returns what gemmi is to read.
-std::string SiteSelection::read_names(std::string_view text, const ParsedFile& file,
+std::string SiteSelection::read_names(std::string_view text, ParsedFile& file,
                                       gemmi::Selection& names) {
   std::vector<std::string_view> conditions = split(text, ';');
   std::string_view place = conditions.front();
@@ -138,7 +139,11 @@ std::string SiteSelection::read_names(std::string_view text, const ParsedFile& f
     fields.resize(4);
     if (first == 0) model = fields[0];
     if (given > 1) names.chain_ids = list_of(fields[1], "[]()!/*:;");
-    if (given > 2) read_residues(fields[2], has_negative_numbers(*file.structure), names);
+    if (given > 2 && read_residues(fields[2], has_negative_numbers(*file.structure), names))
+      file.warnings.push_back(
+          fmt::format("selection {} is of all residues up to that number, as no number in the file "
+                      "is negative; A/*-10 says so in any file",
+                      in_quotes(text)));
     const std::size_t end = std::min(fields[3].find_first_of("[:"), fields[3].size());
     if (end > 0) names.atom_names = list_of(fields[3].substr(0, end), "[]()!/:;");
     atom = fields[3].substr(end);

@@ -20,9 +20,10 @@ namespace vdwmesh {
 class SiteSelection {
  public:
   // A single number stands for one residue ("A/10", "A/-3"), "A/10-" for it and all that follow,
-  // and "A/*-10" for it and all before. The condition "A;segment=P1,P2" is one of this program; a
-  // chain without an id goes by the id of its segment too. Throws InvalidInput, with examples, for
-  // a text that is no selection. Selections by entity type
+  // and "A/*-10" for it and all before, as "A/-10" does in a file without negative numbers, of
+  // which file.warnings tells. The condition "A;segment=P1,P2" is one of this program; a chain
+  // without an id goes by the id of its segment too. Throws InvalidInput, with examples, for a text
+  // that is no selection. Selections by entity type
   // ("polymer") make gemmi derive these types in file.structure, for which it needs residues with
   // their atoms.
   SiteSelection(const std::string& text, ParsedFile& file);
@@ -31,7 +32,7 @@ class SiteSelection {
   bool contains(const Site& site) const;
 
  private:
-  std::string read_names(std::string_view text, const ParsedFile& file, gemmi::Selection& names);
+  std::string read_names(std::string_view text, ParsedFile& file, gemmi::Selection& names);
   bool contains_chain(const Site& site) const;
 
   SiteTest words_;  // empty for gemmi's syntax

@@ -40,6 +40,7 @@ struct AtomRecord {
   bool hetero : 1 = false;            // the record is HETATM
   bool element_guessed : 1 = false;   // the file gives no element; it was derived from the names
   bool symbol_overruled : 1 = false;  // the file gives another element than that of the names
+  bool is_other_ion : 1 = false;      // symbol and name are of one ion, the residue of another
   bool is_virtual : 1 = false;        // a virtual site, a dummy or an alpha sphere: no atom
   bool measured : 1 = true;
   Polarity polarity = Polarity::unknown;

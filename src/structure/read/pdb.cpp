@@ -179,11 +179,13 @@ std::string_view symbol_of_autodock(std::string_view type) {
   return marked ? type.substr(0, 1) : type;
 }
 
-// Whether the text is the symbol of two letters by which the name begins.
-bool is_symbol_of(std::string_view text, std::string_view name) {
+// Whether the text is the symbol of two letters by which the name begins; or if the name does not
+// begin by its letter `inside` the columns of the symbol, so that the name does not tell this one.
+bool is_symbol_of(std::string_view text, std::size_t inside, std::string_view name) {
+  const std::string begin = upper_case(trimmed(name));
   return text.size() == 2 && is_letter(text[0]) && is_letter(text[1]) &&
          element_of_symbol(text) != std::string_view("X") &&
-         upper_case(trimmed(name)).starts_with(upper_case(text));
+         (begin.starts_with(upper_case(text)) || !begin.starts_with(upper_case(text[inside])));
 }
 
 // Names the parts of a chain: its polymer, its water, and each other residue. gemmi finds entities
@@ -333,7 +335,8 @@ class PdbReader {
   }
 
   // The symbol of the element. It belongs in columns 77-78. A symbol of two letters that stands one
-  // column further left or right is read there if the name begins by it.
+  // column further left or right is read there if the name does not tell the letter in these
+  // columns.
   std::string_view symbol_field(std::string_view line) const {
     if (layout_.entry_tags || line.size() <= kElementColumn) return line.substr(line.size());
     if (layout_.pdbqt) return symbol_of_autodock(trimmed(columns(line, kElementColumn, 4)));
@@ -347,10 +350,10 @@ class PdbReader {
     const std::string_view left = columns(line, kElementColumn - 1, 2),
                            right = columns(line, kElementColumn + 1, 2);
     if (ends_early && trimmed(columns(line, kElementColumn, 2)).size() == 1 &&
-        line[kElementColumn] != ' ' && is_symbol_of(left, name))
+        line[kElementColumn] != ' ' && is_symbol_of(left, 1, name))
       return left;
-    return begins_late && is_symbol_of(right, name) ? right
-                                                    : trimmed(columns(line, kElementColumn, 2));
+    return begins_late && is_symbol_of(right, 0, name) ? right
+                                                       : trimmed(columns(line, kElementColumn, 2));
   }
 
   // Beads have no element.
@@ -363,7 +366,7 @@ class PdbReader {
     read_element(symbol, columns(record_, 12, 4),
                  layout_.names_at_left ? NamePlace::word : NamePlace::columns, residue, atom);
     file_.elements_in_doubt |= atom.element_guessed || atom.symbol_overruled || atom.is_virtual ||
-                               atom.element == gemmi::El::D;
+                               atom.is_other_ion || atom.element == gemmi::El::D;
   }
 
   // A number with a point is a charge or a factor, and no segment id.

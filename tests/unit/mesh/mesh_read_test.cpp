@@ -293,6 +293,18 @@ TEST(MeshIo, GlbSaysWhatItsPrimitivesLeaveOver) {
   EXPECT_THAT(cut.notes[0], HasSubstr("2 indices at the ends of primitives"));
 }
 
+TEST(MeshIo, GlbSaysThatMorphTargetsAreNotApplied) {
+  const std::string glb = encode_mesh(to_surface_mesh(labelled_mesh()), MeshFormat::glb).bytes;
+  std::uint32_t json_size;
+  std::memcpy(&json_size, glb.data() + 12, sizeof json_size);
+  auto json = nlohmann::json::parse(glb.substr(20, json_size));
+  json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+  const MeshFile moved = decode_mesh(with_json(glb, json), MeshFormat::glb);
+  EXPECT_EQ(moved.mesh.positions, decode_mesh(glb, MeshFormat::glb).mesh.positions);
+  ASSERT_EQ(moved.notes.size(), 1u);
+  EXPECT_THAT(moved.notes[0], HasSubstr("1 meshes have morph targets"));
+}
+
 TEST(MeshIo, EmptyMeshesMakeTheRoundTrip) {
   for (const MeshFormat format : kFormats) {
     const MeshFile back = round_trip({}, format);

@@ -253,6 +253,20 @@ TEST(Selection, ASingleNumberIsOneResidue) {
   EXPECT_EQ(chosen("A/(SER)"), Names{"CA SER"});
 }
 
+// What "-10" means depends on the file, so the program says it where it is no single residue.
+TEST(Selection, AnOpenBeginningIsTold) {
+  const auto warnings = [](const char* text, int first) {
+    ReadOptions options;
+    options.select = text;
+    return read_text_as("a.pdb", pdb({{" CA ", "ALA", first}, {" CA ", "GLY", 10}}), options)
+        .warnings.size();
+  };
+  EXPECT_EQ(warnings("A/-10", 9), 1u);
+  EXPECT_EQ(warnings("A/*-10", 9), 0u);
+  EXPECT_EQ(warnings("A/-3", -3), 0u);
+  EXPECT_EQ(warnings("A/9-10", 9), 0u);
+}
+
 TEST(Selection, NegativeNumbers) {
   const std::vector<Line> lines{{" CA ", "ALA", -3}, {" CA ", "GLY", -1}, {" CA ", "SER", 3}};
   const auto chosen = [&](const char* text) {

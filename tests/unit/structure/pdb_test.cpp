@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "structure/temp_file.hpp"
 
 namespace vdwmesh::testing {
@@ -86,6 +88,22 @@ TEST(Pdb, StandardResiduesHoldNoCalciumOrMercury) {
                                 record("SE  ", "MSE", 3) + "\n" + record("CA  ", "MSE", 4) + "\n" +
                                 record("CD  ", "GLN", 5) + "\n" + record("OP1 ", " DA", 6) + "\n");
   EXPECT_EQ(elements(molecule), (std::vector<std::string>{"C", "H", "Se", "C", "C", "O"}));
+}
+
+TEST(Pdb, IonsInResiduesOfOthersAreTold) {
+  const auto told = [](const char* name, const char* residue, const std::string& symbol) {
+    const Molecule molecule =
+        read_text_as("a.pdb", with_tail(record(name, residue, 1), "    " + symbol));
+    return std::any_of(molecule.warnings.begin(), molecule.warnings.end(), [&](const auto& text) {
+      return text.find(molecule.atoms[0].element.str() + " in ") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(told("NA  ", " CL", "NA"));
+  EXPECT_TRUE(told("CL  ", "SOD", "CL"));
+  EXPECT_FALSE(told("NA  ", " NA", "NA"));
+  EXPECT_FALSE(told("CL  ", "CLA", "CL"));
+  EXPECT_FALSE(told("MG  ", "CLA", "MG"));  // chlorophyll
+  EXPECT_FALSE(told("ZN  ", "ZN2", "ZN"));
 }
 
 TEST(Pdb, NamesAtTheLeftThroughoutSayNothingByTheirPlace) {
