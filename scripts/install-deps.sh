@@ -36,7 +36,7 @@ for group in "$@"; do
       parallel snakemake python3-dask python3-mpi4py python3-torch) ;;
     docs) packages+=(doxygen python3-markdown) ;;
     manual) packages+=(man-db groff zsh) ;;
-    packages) packages+=(dpkg-dev file lintian debootstrap) ;;
+    packages) packages+=(dpkg-dev debhelper dh-python file lintian debootstrap) ;;
     container) packages+=(buildah crun debootstrap) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;

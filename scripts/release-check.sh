@@ -36,19 +36,18 @@ tag_is_free() {
   tag=$(git tag --list "v$version" "$version")
   [ -z "$tag" ] || [ "$(git rev-parse "$tag^{commit}")" = "$(git rev-parse HEAD)" ]
 }
-packages_build() { scripts/install-deps.sh packages && scripts/build.sh package && cpack --preset package; }
+packages_build() { scripts/build-packages.sh; }
 lintian_is_silent() {
-  lintian --allow-root --fail-on error,warning --tag-display-limit 0 build/package/packages/*_"$version"-*.deb
+  lintian --allow-root --fail-on error,warning --tag-display-limit 0 build/package/packages/*.changes
 }
 programs_say_the_version() {
-  build/package/apps/vdwmesh --version | tee /dev/stderr | grep -q "^vdwmesh $version (" &&
-    PYTHONPATH=build/package/python /usr/bin/python3 -c "import vdwmesh; assert vdwmesh.__version__ == '$version'"
+  build/package/vdwmesh/build/debian/apps/vdwmesh --version | tee /dev/stderr | grep -q "^vdwmesh $version (" &&
+    PYTHONPATH=build/package/vdwmesh/build/debian/python /usr/bin/python3 -c "import vdwmesh; assert vdwmesh.__version__ == '$version'"
 }
 wheel_builds() {
   local folder
   folder=$(mktemp -d)
-  /usr/bin/python3 -m pip wheel --no-index --no-deps --wheel-dir "$folder" \
-    --config-settings build-dir=build/package . && ls "$folder"/vdwmesh-"$version"-*.whl
+  /usr/bin/python3 -m pip wheel --no-index --no-deps --wheel-dir "$folder" . && ls "$folder"/vdwmesh-"$version"-*.whl
   local status=$?
   rm -rf "$folder"
   return $status

@@ -2,6 +2,7 @@
 // The first line says which version of the loops runs.
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "excluded/excluded_mesher.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sampled_field.hpp"
+#include "interface/interfaces.hpp"
 #include "measures/arcs/arcs.hpp"
 #include "refine/patch_refiner.hpp"
 #include "refine/refiner.hpp"
@@ -123,6 +125,18 @@ void print_arcs(const std::string& name, const SphereSet& spheres, double probe)
   print(name, values);
 }
 
+// Two groups that are everywhere at each other: every second ball is of the other.
+void print_interfaces(const SphereSet& spheres) {
+  std::vector<std::int32_t> group(spheres.size());
+  for (std::size_t i = 0; i < group.size(); ++i) group[i] = static_cast<std::int32_t>(i % 2);
+  const Interfaces found = interfaces(spheres, group);
+  print("interfaces, alone", found.alone);
+  print("interfaces, in the whole", found.in_whole);
+  std::vector<double> contacts;
+  for (const AtomContact& c : found.pairs.at(0).contacts) contacts.push_back(c.area);
+  print("interfaces, contacts", contacts);
+}
+
 void print_excluded(const SphereSet& spheres) {
   ExcludedMesh mesh = mesh_excluded(spheres, {.edge_length = 0.7});
   print("excluded", mesh.mesh);
@@ -167,5 +181,6 @@ int main() {
   for (const double probe : {0.0, 1.4}) {
     print_arcs(fmt::format("arcs, probe {}", probe), spheres, probe);
   }
+  print_interfaces(spheres);
   print_excluded(spheres);
 }

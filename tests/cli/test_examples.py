@@ -37,7 +37,7 @@ ELSEWHERE = {
     ("docs/excluded_surface.md", ". - ~"): PAGE,
     ("docs/excluded_surface.md", "$ vdwmesh report"): "test_documents.py",
     ("docs/install.md", "apt install"): "scripts/try-packages.sh",
-    ("docs/install.md", "scripts/build.sh package"): "scripts/release-check.sh",
+    ("docs/install.md", "scripts/build-packages.sh"): "scripts/release-check.sh",
     ("docs/install.md", "podman build"): "scripts/try-container.sh, by buildah",
     ("docs/install.md", "scripts/demo.sh"): "a person, from a fresh clone; test_libraries.py installs",
     ("docs/install.md", "source PREFIX"): "test_manual.py, from the build tree",

@@ -13,6 +13,7 @@ import sys
 PLACES = {
     "CITATION.cff": r"^version: (.*)$",
     "CHANGELOG.md": r"^## (\S+) \(",
+    "debian/changelog": r"^vdwmesh \((\S+)\)",
     "apps/build_id.hpp": r'kVersion;  // "(.*)"',
     "tests/consumer/CMakeLists.txt": r"find_package\(vdwmesh (\S+) REQUIRED",
 }
