@@ -292,9 +292,13 @@ class SelectionWords {
 }  // namespace
 
 bool is_in_words(std::string_view text) {
-  for (const std::string& word : words_of(text))
-    if (word != "(" && lower_case(word) != "not") return find_keyword(word) != nullptr;
-  return false;
+  bool is_negated = false;  // "not" alone is no selection of either kind
+  for (const std::string& word : words_of(text)) {
+    if (word == "(") continue;
+    if (lower_case(word) != "not") return find_keyword(word) != nullptr;
+    is_negated = true;
+  }
+  return is_negated;
 }
 
 SiteTest test_in_words(std::string_view text) { return SelectionWords(text).read(); }

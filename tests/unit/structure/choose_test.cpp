@@ -422,11 +422,11 @@ TEST(Measure, OfNoAtomAndBadSyntaxAreRefused) {
 
 TEST(Account, NothingLeftSaysWhatDroppedTheAtoms) {
   ReadOptions options;
-  options.select = "B";
-  const std::string message = refusal_of_text<InvalidInput>(
-      "a.pdb", pdb({{" CA "}, {" O  ", "HOH", 2}, {" O  ", "HOH", 3}}), options);
+  options.hydrogens = Inclusion::drop;
+  const std::string lines = pdb({{" H  "}, {" O  ", "HOH", 2}, {" O  ", "HOH", 3}});
+  const std::string message = refusal_of_text<InvalidInput>("a.pdb", lines, options);
   EXPECT_THAT(message, HasSubstr("none of its 3 atoms"));
-  EXPECT_THAT(message, HasSubstr("1 not_selected, 2 waters"));
+  EXPECT_THAT(message, HasSubstr("1 hydrogens, 2 waters"));
 }
 
 TEST(Account, AssumedRadiiAreListed) {
