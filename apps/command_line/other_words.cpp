@@ -20,7 +20,7 @@ struct OtherWord {
   std::string_view there, here, why = {};
 };
 
-constexpr std::string_view kExact = "the measures are exact, without points or slices to choose",
+constexpr std::string_view kNoPoints = "the measures are exact, without points or slices to choose",
                            kKept = "hydrogens are kept unless --no-hydrogens is given",
                            kDropped = "waters are left out unless --waters is given",
                            kAlone = "a structure stands alone, without an option";
@@ -86,12 +86,12 @@ constexpr OtherWord kOptions[] = {
     {"grid", "--spacing"},
     {"edge", "--edge-length"},
     {"resolution", "--edge-length"},
-    {"n-points", "{}", kExact},
-    {"n-slices", "{}", kExact},
-    {"n-sphere-points", "{}", kExact},
-    {"ndots", "{}", kExact},
-    {"shrake-rupley", "", kExact},
-    {"lee-richards", "", kExact},
+    {"n-points", "{}", kNoPoints},
+    {"n-slices", "{}", kNoPoints},
+    {"n-sphere-points", "{}", kNoPoints},
+    {"ndots", "{}", kNoPoints},
+    {"shrake-rupley", "", kNoPoints},
+    {"lee-richards", "", kNoPoints},
     {"n-threads", "--threads"},
     {"nthreads", "--threads"},
     {"cpus", "--threads"},
