@@ -64,13 +64,14 @@ class Selections(ProgramTest):
         return found["atoms_used"]
 
     def test_beside_mdanalysis(self):
-        """The numbers of atoms of the same selections, of files with ligands, waters and several chains."""
+        """The numbers of atoms of the same selections, of a file with ligands, waters and several chains. Where "and" and
+        "or" stand side by side they have brackets: MDAnalysis reads them from left to right."""
         MDAnalysis = need_package("python3-mdanalysis", module="MDAnalysis")
         path = need_shared("molecules/thesis/4HHB.pdb")
         universe = MDAnalysis.Universe(str(path), format="pdb")
         for selection in ("protein", "nucleic or protein", "name CA", "protein and name CA", "resname HEM",
                           "resname HEM PO4 and not name FE", "resid 10:40", "resid 10:40 60:70 and segid A",
-                          "not protein", "name CA or name CB and resname ALA", "(name CA or name CB) and resname ALA",
+                          "not protein", "(name CA or name CB) and resname ALA",
                           "segid A C and not (resid 1:50 or resname HOH)"):  # fmt: skip
             with self.subTest(selection):
                 theirs = universe.select_atoms(selection).n_atoms
