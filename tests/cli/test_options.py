@@ -442,8 +442,8 @@ class DidYouMean(ProgramTest):
 
     def test_options(self):
         for typed, meant in {"--spcing": "--spacing", "--spacing1": "--spacing", "--spaicng": "--spacing",
-                             "-spacing": "--spacing", "--colour-map": "--color-map", "--sead": "--seed",
-                             "--memory_limit": "--memory-limit", "--self-intersection": "--self-intersections",
+                             "--colour-map": "--color-map", "--sead": "--seed",
+                             "--self-intersection": "--self-intersections",
                              "--spcing=0.5": "--spacing", "--ouput": None, "--frobnicate": None, "--x": None,
                              "--csv": None}.items():  # fmt: skip
             with self.subTest(typed=typed):
@@ -452,6 +452,8 @@ class DidYouMean(ProgramTest):
                     self.suggests(meant, *arguments)
                 else:
                     self.suggests_nothing(*arguments)
+        for typed, meant in (("-spacing", "--spacing 1"), ("--memory_limit", "--memory-limit 1")):  # all but its dashes
+            self.assert_refused(BAD_INPUT, "report", UBIQUITIN, typed, "1", says=("; type: vdwmesh report ", f" {meant}"))
 
     def test_options_of_the_verb_alone(self):
         self.suggests("--field", "mesh", UBIQUITIN, "--feild", "vdw")
