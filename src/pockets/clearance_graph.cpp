@@ -19,7 +19,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 // Shares of the largest radius: summits nearer to each other than the first are one, and clearances
 // that differ by less than the second are equal up to rounding.
 constexpr double kSamePlace = 1e-6, kSameGap = 1e-11;
@@ -146,8 +146,8 @@ class ClearanceGraphFinder {
   // The components above the ceiling. Each has a sink.
   void add_large() {
     graph_.large = top_.components - 1;
-    large_.assign(top_.components, {{}, -kInfinity});
-    large_[kOutsideNode].clearance = kInfinity;
+    large_.assign(top_.components, {{}, -kUnlimited});
+    large_[kOutsideNode].clearance = kUnlimited;
     for (std::uint32_t c = 0; c < top_.t.cells.size(); ++c) {
       if (!top_.is_sink(c) || top_.component[c] == 0) continue;
       const auto summit = climb_clearance(balls(), top_.center_of(c));
@@ -159,7 +159,7 @@ class ClearanceGraphFinder {
   ClimbEnd climb(const Vec3d& start) const {
     // Beyond the ceiling by more than rounding, so that the place is outside the grown balls.
     const auto end = climb_clearance(balls(), start, ceiling_ + kSameGap * largest_);
-    if (!end) return {{start, kInfinity}, kOutsideNode};
+    if (!end) return {{start, kUnlimited}, kOutsideNode};
     if (end->clearance <= ceiling_) return {*end};
     return {*end, component_of(end->place)};
   }

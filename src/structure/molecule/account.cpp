@@ -19,7 +19,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kMostNamed = 8;  // names in a message
+constexpr std::size_t kNamesInAMessage = 8;  // names in a message
 
 std::string kind_as_text(const std::string& residue) {
   switch (kind_of_residue(residue)) {
@@ -36,7 +36,7 @@ std::string kind_as_text(const std::string& residue) {
 }
 
 std::string list_of(const std::vector<std::string>& names) {
-  const std::size_t shown = std::min(names.size(), kMostNamed);
+  const std::size_t shown = std::min(names.size(), kNamesInAMessage);
   std::string list = fmt::format(
       "{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
   return shown < names.size() ? fmt::format("{} and {} more", list, names.size() - shown) : list;

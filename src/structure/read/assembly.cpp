@@ -22,7 +22,7 @@ namespace {
 // e = 1.8e-4 up to terms of e^2. The tolerance is five times that, so entries that were cut off
 // instead of rounded (e = 1e-4) pass too.
 constexpr double kRotationTolerance = 1e-3;
-constexpr std::size_t kMostNamed = 3;  // operators that one warning lists
+constexpr std::size_t kMostOperatorsNamed = 3;  // operators that one warning lists
 
 Vec3d column(const AffineMap& map, int axis) {
   return {map.rows[0][axis], map.rows[1][axis], map.rows[2][axis]};
@@ -91,10 +91,10 @@ class RecipeMaker {
   void warn_of_deformations() {
     if (deformations_.empty()) return;
     std::string text;
-    for (std::size_t i = 0; i < std::min(deformations_.size(), kMostNamed); ++i)
+    for (std::size_t i = 0; i < std::min(deformations_.size(), kMostOperatorsNamed); ++i)
       text += (i == 0 ? "" : ", ") + deformations_[i];
-    if (deformations_.size() > kMostNamed)
-      text += fmt::format(" and {} more", deformations_.size() - kMostNamed);
+    if (deformations_.size() > kMostOperatorsNamed)
+      text += fmt::format(" and {} more", deformations_.size() - kMostOperatorsNamed);
     recipe_.warnings.push_back(fmt::format(
         "assembly {}: not all of its operators are rotations, so some copies are deformed: {}",
         name_, text));

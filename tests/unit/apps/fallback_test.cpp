@@ -40,9 +40,10 @@ TEST(Fallback, ReportsNameTheCpu) {
   EXPECT_EQ(backend.at("reason"), why);
   EXPECT_EQ(backend.at("device"), "Some GPU") << "it took part, or was tried";
   EXPECT_THAT(report.notes, ElementsAre(why));
-  EXPECT_THAT(to_text(report), HasSubstr("Backend      cpu, Some GPU, driver 12.0"));
-  EXPECT_THAT(to_text(report), HasSubstr("; " + why));
-  EXPECT_THAT(to_text(report), Not(HasSubstr("no CUDA")));
+  EXPECT_THAT(to_text(report, Verbosity::verbose),
+              HasSubstr("Backend      cpu, Some GPU, driver 12.0"));
+  EXPECT_THAT(to_text(report, Verbosity::verbose), HasSubstr("; " + why));
+  EXPECT_THAT(to_text(report, Verbosity::verbose), Not(HasSubstr("no CUDA")));
 }
 
 TEST(Fallback, NothingChangesWithoutOne) {

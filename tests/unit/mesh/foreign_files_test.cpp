@@ -433,7 +433,9 @@ std::vector<BadFile> bad_files() {
       {"off_letters", MeshFormat::off, "OFF+X\n1 0 0\n0 0 0 0\n", "'OFF+X' is a kind"},
       {"off_control", MeshFormat::off, "\x1b[2JOFF\n1 0 0\n0 0 0 0\n", "'?[2JOFF' is a kind"},
       {"off_bytes", MeshFormat::off, "\xe4OFF\n1 0 0\n0 0 0 0\n", "'?OFF' is a kind"},
-      {"obj_bytes", MeshFormat::obj, "v 0 \xff\xfe 0\n", "'??' is no number"},
+      {"obj_bytes", MeshFormat::obj, "v 0 \xff\xfe 0\n",
+       "'?"
+       "?' is no number"},
       {"ply_bytes", MeshFormat::ply,
        "ply\nformat ascii 1.0\nelement vertex 1\nproperty flo\xe4t x\n", "'flo?t' is no PLY type"},
       {"ply_bytes_of_names", MeshFormat::ply,

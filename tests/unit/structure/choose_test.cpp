@@ -258,7 +258,7 @@ TEST(Selection, AnOpenBeginningIsTold) {
   const auto warnings = [](const char* text, int first) {
     ReadOptions options;
     options.select = text;
-    return read_text_as("a.pdb", pdb({{" CA ", "ALA", first}, {" CA ", "GLY", 10}}), options)
+    return read_text_as("a.pdb", pdb({{" N  ", "ALA", first}, {" N  ", "GLY", 10}}), options)
         .warnings.size();
   };
   EXPECT_EQ(warnings("A/-10", 9), 1u);
