@@ -116,6 +116,13 @@ class PatchTriangulator {
     if constexpr (!Memory::kIsBounded) steps_.add(steps);
   }
 
+  // On the host an array that is about to be filled has room for `most` elements at once: copies of
+  // the millions of a large patch, while its array grows, would cost more than they do.
+  template <class List>
+  VDWMESH_HD static void make_room(List& array, std::size_t most) {
+    if constexpr (!Memory::kIsBounded) array.reserve(most);
+  }
+
   // Asks for a piece to be split into 2^halvings parts.
   VDWMESH_HD void want_split(std::uint32_t piece, std::uint32_t halvings = 1) {
     splits_.push_back({boundary_.pieces[piece].source, halvings});
@@ -387,6 +394,7 @@ class PatchTriangulator {
   VDWMESH_HD void collect_triangles() {
     numbers_.assign(plane_.triangles().size(), std::uint32_t{kNoNeighbor});
     patch_.triangles.clear();
+    make_room(patch_.triangles, plane_.triangles().size());
     visit_marked(plane_, [&](std::uint32_t t) {
       numbers_[t] = static_cast<std::uint32_t>(patch_.triangles.size());
       patch_.triangles.push_back(plane_.triangle(t));
@@ -404,6 +412,8 @@ class PatchTriangulator {
     // since there are more triangles in the plane than points.
     numbers_.assign(points_.size(), std::uint32_t{kNoNeighbor});
     for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) numbers_[i] = i;
+    make_room(work_.interior, points_.size() - boundary_.points.size());
+    make_room(work_.triangles, patch_.triangles.size());
     for (const LinkedTriangle& t : patch_.triangles) {
       std::array<std::uint32_t, 3> vertices{};
       for (std::size_t k = 0; k < 3; ++k) {

@@ -1,18 +1,11 @@
-// How the work of each stage grows with the set. Every loop over many things asks the monitor once
-// in so many steps, so a monitor that counts the questions counts the steps. Sets of n, 2n and 4n
-// balls are measured and meshed, and no stage may take much more than n log n steps.
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
+// How the work of each stage grows with the set (support/growth.hpp): balls are measured and
+// meshed.
+#include "support/growth.hpp"
 
-#include <algorithm>
-#include <atomic>
+#include <gtest/gtest.h>
+
 #include <cmath>
-#include <cstdint>
 #include <functional>
-#include <map>
-#include <mutex>
-#include <numbers>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,60 +18,11 @@
 namespace vdwmesh::testing {
 namespace {
 
-// Counts the questions in each stage.
-class StepCounter : public Monitor {
- public:
-  void begin_stage(std::string_view name, std::uint64_t) override {
-    const std::lock_guard lock(mutex_);
-    current_ = &steps_[std::string(name)];
-    ++rounds_[std::string(name)];
-  }
-  void advance(std::uint64_t) override {}
-  bool cancelled() const override {
-    ++*current_.load();
-    return false;
-  }
-  // By stage. One that begins repeatedly, as rounds of meshing do until no piece is split, counts
-  // by round: how many rounds there are is up to the narrowest place of all.
-  std::map<std::string, std::uint64_t> steps() const {
-    std::map<std::string, std::uint64_t> out;
-    for (const auto& [stage, steps] : steps_) {
-      const auto rounds = rounds_.find(stage);
-      out[stage] = steps / (rounds == rounds_.end() ? 1 : rounds->second);
-    }
-    return out;
-  }
-
- private:
-  std::mutex mutex_;
-  std::map<std::string, std::atomic<std::uint64_t>> steps_;
-  std::map<std::string, std::uint64_t> rounds_;
-  std::atomic<std::atomic<std::uint64_t>*> current_ = &steps_["before the first stage"];
-};
-
 using MakeSet = std::function<std::vector<Sphere>(int)>;
 
-// Four times as many balls are four times as much work, and a logarithm's share more; a step that
-// grows with the power 3/2 takes eight times as much, one that looks at all pairs sixteen times.
-// Stages that hardly ask are not judged.
-constexpr double kMostGrowth = 7;
-constexpr std::uint64_t kFewQuestions = 10;
-
-void expect_growth(const MakeSet& balls, int count,
-                   const std::function<void(const SphereSet&, Monitor&)>& run) {
-  // The number of blocks follows that of cores.
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  StepCounter few, many;
-  run(SphereSet(balls(count)), few);
-  run(SphereSet(balls(4 * count)), many);
-  const auto before = few.steps();
-  for (const auto& [stage, steps] : many.steps()) {
-    const auto at = before.find(stage);
-    const std::uint64_t least = std::max(kFewQuestions, at == before.end() ? 0 : at->second);
-    EXPECT_LE(static_cast<double>(steps), kMostGrowth * static_cast<double>(least))
-        << stage << ": " << least << " questions, then " << steps << ", of " << count << " and "
-        << 4 * count << " balls";
-  }
+void expect_growth_of(const MakeSet& balls, int count,
+                      const std::function<void(const SphereSet&, Monitor&)>& run) {
+  expect_growth(count, [&](int n, Monitor& monitor) { run(SphereSet(balls(n)), monitor); });
 }
 
 void mesh(const SphereSet& spheres, Monitor& monitor) {
@@ -99,15 +43,15 @@ void measure(const SphereSet& spheres, Monitor& monitor) {
 void expect_growth_of_all(const MakeSet& balls, int count) {
   {
     SCOPED_TRACE("mesh");
-    expect_growth(balls, count, mesh);
+    expect_growth_of(balls, count, mesh);
   }
   {
     SCOPED_TRACE("triangulation");
-    expect_growth(balls, count, measure<UnionMethod::cgal>);
+    expect_growth_of(balls, count, measure<UnionMethod::cgal>);
   }
   {
     SCOPED_TRACE("arcs");
-    expect_growth(balls, count, measure<UnionMethod::arcs>);
+    expect_growth_of(balls, count, measure<UnionMethod::arcs>);
   }
 }
 
@@ -157,8 +101,8 @@ TEST(Growth, JitteredCopies) {
     return out;
   };
   // Measures by arcs cut every ball by all that overlap it.
-  expect_growth(balls, 8000, mesh);
-  expect_growth(balls, 8000, measure<UnionMethod::cgal>);
+  expect_growth_of(balls, 8000, mesh);
+  expect_growth_of(balls, 8000, measure<UnionMethod::cgal>);
 }
 
 // Balls that touch their neighbours on two skew lines: the triangulation of n balls has about n²/4
@@ -174,7 +118,7 @@ TEST(Growth, BallsOnSkewLines) {
     return out;
   };
   SCOPED_TRACE("triangulation");
-  expect_growth(balls, 20000, measure<UnionMethod::cgal>);
+  expect_growth_of(balls, 20000, measure<UnionMethod::cgal>);
 }
 
 // The memory for so many cells is refused before it is taken.
