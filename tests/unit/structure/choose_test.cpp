@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "structure/temp_file.hpp"
 
 namespace vdwmesh::testing {
