@@ -9,6 +9,7 @@
 #include "mesh/connect/edge_buckets.hpp"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -21,6 +22,26 @@
 
 namespace vdwmesh {
 namespace {
+
+// Buckets up to this size are sorted by insertion, which beats std::sort on short arrays. Closed
+// meshes have about six half-edges per vertex, so nearly every bucket is that short.
+constexpr std::size_t kInsertionSortLimit = 32;
+
+// Sorts [first, last) by insertion if it is short. An empty bucket is left at once, since its
+// pointers may be null, and first + 1 would not be defined.
+void sort_bucket(EdgeEntry* first, EdgeEntry* last) {
+  if (first == last) return;
+  if (static_cast<std::size_t>(last - first) > kInsertionSortLimit) {
+    std::sort(first, last);
+    return;
+  }
+  for (EdgeEntry* i = first + 1; i < last; ++i) {
+    const EdgeEntry entry = *i;
+    EdgeEntry* hole = i;
+    for (; hole > first && entry < hole[-1]; --hole) *hole = hole[-1];
+    *hole = entry;
+  }
+}
 
 // One half-edge of a triangle in 32 bits: 30 bits of triangle and 2 bits of side. The number 3t + k
 // would also fit, but then reading the triangle back would cost a division.
@@ -75,9 +96,45 @@ void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t begin, std::size_t
         EdgeEntry(std::max(from, to), number, from > to);
   });
   for (const std::uint32_t e : end) {
-    std::sort(entries + begin, entries + e);
+    sort_bucket(entries + begin, entries + e);
     begin = e;
   }
+}
+
+// One counting sort over all vertices: the buckets begin with vertex 0, at entries[0].
+void fill_on_one_core(std::span<const Triangle> triangles, std::span<std::uint32_t> end,
+                      EdgeEntry* entries) {
+  const auto all = [&](const auto& visit) {
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for_each_side(triangles[t], [&](unsigned side, std::uint32_t from, std::uint32_t to) {
+        visit(static_cast<std::uint32_t>(3 * t + side), from, to);
+      });
+  };
+  fill_buckets(all, 0, 0, end, entries);
+}
+
+// Groups half-edges by range of smaller vertices first (`listed`). Then each range is a task of its
+// own, whose buckets no other task writes. Both the list and the entries are sorted by range, so
+// the entries of a range begin at the index of its first half-edge in the list.
+void fill_on_all_cores(std::span<const Triangle> triangles, std::span<std::uint32_t> end,
+                       EdgeEntry* entries) {
+  const GroupsByRange<HalfEdge> listed(
+      triangles.size(), end.size(), [&](std::size_t t, const auto& emit) {
+        for_each_side(triangles[t], [&](unsigned side, std::uint32_t from, std::uint32_t to) {
+          emit(HalfEdge(t, side), std::min(from, to) / kVerticesPerRange);
+        });
+      });
+  tbb::parallel_for(std::size_t{0}, listed.ranges(), [&](std::size_t r) {
+    const auto of_range = [&](const auto& visit) {
+      for (const HalfEdge h : listed.of(r)) {
+        const Triangle& triangle = triangles[h.triangle()];
+        visit(h.number(), triangle[h.side()], triangle[next_corner(h.side())]);
+      }
+    };
+    const std::size_t first = r * kVerticesPerRange;
+    fill_buckets(of_range, listed.first(r), first,
+                 end.subspan(first, std::min(kVerticesPerRange, end.size() - first)), entries);
+  });
 }
 
 }  // namespace
@@ -96,26 +153,11 @@ EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex
   repeated_index_ = found.repeated_index;
   resize_untouched(end_, vertex_count);
   resize_untouched(entries_, found.half_edges);
-  // Each range is a task of its own, whose buckets no other task writes. Both the list and the
-  // entries are sorted by range, so the entries of a range begin at the index of its first
-  // half-edge in the list.
-  const GroupsByRange<HalfEdge> listed(
-      triangles.size(), end_.size(), [&](std::size_t t, const auto& emit) {
-        for_each_side(triangles[t], [&](unsigned side, std::uint32_t from, std::uint32_t to) {
-          emit(HalfEdge(t, side), std::min(from, to) / kVerticesPerRange);
-        });
-      });
-  tbb::parallel_for(std::size_t{0}, listed.ranges(), [&](std::size_t r) {
-    const auto of_range = [&](const auto& visit) {
-      for (const HalfEdge h : listed.of(r)) {
-        const Triangle& triangle = triangles[h.triangle()];
-        visit(h.number(), triangle[h.side()], triangle[next_corner(h.side())]);
-      }
-    };
-    const std::size_t first = r * kVerticesPerRange;
-    const std::span end(end_.data() + first, std::min(kVerticesPerRange, end_.size() - first));
-    fill_buckets(of_range, listed.first(r), first, end, entries_.data());
-  });
+  // Both functions give the same buckets, because the order of EdgeEntry has no ties. Grouping by
+  // range is an extra pass, which does not pay on a single thread.
+  const bool single_threaded =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) == 1;
+  (single_threaded ? fill_on_one_core : fill_on_all_cores)(triangles, end_, entries_.data());
 }
 
 }  // namespace vdwmesh
