@@ -436,7 +436,7 @@ constexpr std::string_view kUnseen[] = {
     "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
     "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
     "--edge-lengths", "--relative-edge", "--padding",    "--progress",   "--project",
-    "--scan",         "--shell",         "--from",       "--sums"};
+    "--scan",         "--shell",         "--from",       "--sums",       "--method"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

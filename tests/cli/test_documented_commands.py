@@ -147,8 +147,8 @@ class TheCheckItself(unittest.TestCase):
         self.assertEqual(older_names('x = names<A>({{"a", A::a},\n {"b", A::b}, {"old",\n A::b, NameUse::accepted}});'),
                          {frozenset("ab"): {"old"}})  # fmt: skip
         self.assertEqual(self.faults("`vdwmesh exact a.pdb --surface excluded` `vdwmesh exact a.pdb --surface ses`"), [])
-        self.assertEqual(self.faults("`vdwmesh exact a.pdb --surface connolly`"),
-                         ["vdwmesh exact --surface: there is no connolly"])  # fmt: skip
+        self.assertEqual(self.faults("`vdwmesh exact a.pdb --surface conolly`"),
+                         ["vdwmesh exact --surface: there is no conolly"])  # fmt: skip
 
     def test_what_is_stale(self):
         self.assertEqual(self.faults("`vdwmesh draw a.pdb`"), ["vdwmesh has no verb draw"])

@@ -38,6 +38,7 @@ ELSEWHERE = {
     ("docs/excluded_surface.md", "$ vdwmesh report"): "test_documents.py",
     ("docs/install.md", "apt install"): "scripts/try-packages.sh",
     ("docs/install.md", "scripts/build-packages.sh"): "scripts/release-check.sh",
+    ("docs/install.md", "python3 -m venv"): "test_install.py of tests/python, with pip into a folder",
     ("docs/install.md", "podman build"): "scripts/try-container.sh, by buildah",
     ("docs/install.md", "scripts/demo.sh"): "a person, from a fresh clone; test_libraries.py installs",
     ("docs/install.md", "source PREFIX"): "test_manual.py, from the build tree",
