@@ -270,7 +270,7 @@ std::vector<Option> measure_options(Draft& d) {
        otherwise("full; off with arcs")},
       {"--topology", kBatch, one(d.measure.topology, named<TopologyRequest>()),
        "exact topology; counts: components and Euler characteristic alone",
-       otherwise("off; full with --verb report, and with --method cgal or both")},
+       otherwise("off; full with --verb report, and by the triangulation")},
       {"--topology", kRanksExact, one(d.measure.topology, named<TopologyRequest>()),
        "components and Euler characteristic: counts or off", otherwise("counts")},
       {"--certify", kReport | kExact, flag(d.measure.certify, true),

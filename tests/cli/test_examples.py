@@ -48,6 +48,7 @@ ELSEWHERE = {
     ("docs/scale.md", "#!/bin/bash"): "a cluster with Slurm",
     ("docs/scale.md", "mpirun -n 2 --bind-to socket"): "a machine of two sockets; test_ranks.py without binding",
     ("docs/start.md", "scripts/demo.sh"): "test_documents.py says what",
+    ("docs/tasks/elements.md", "tetgen"): "test_foreign.py, with meshes of its own",
     ("docs/tasks/thesis.md", "vdwmesh-bench thesis"): "test_documents.py says what",
     ("docs/tasks/virus.md", "mpirun"): "test_documents.py says what",
 }  # fmt: skip
