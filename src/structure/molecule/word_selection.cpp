@@ -133,7 +133,7 @@ bool is_like(std::string_view text, std::string_view pattern) {
   return false;
 }
 
-bool holds(const std::vector<std::string>& values, std::string_view value) {
+bool any_is_like(const std::vector<std::string>& values, std::string_view value) {
   return std::ranges::any_of(values, [value](const auto& one) { return is_like(value, one); });
 }
 
@@ -143,20 +143,22 @@ SiteTest test_of(Keyword keyword, std::vector<std::string> values) {
     case Keyword::chain:  // a chain without an id goes by its segment
       return [values](const Site& site) {
         const std::string& chain = site.place->chain->name;
-        return holds(values, chain.empty() ? site.place->residue->segment : chain);
+        return any_is_like(values, chain.empty() ? site.place->residue->segment : chain);
       };
     case Keyword::segment:
-      return [values](const Site& site) { return holds(values, site.place->residue->segment); };
+      return
+          [values](const Site& site) { return any_is_like(values, site.place->residue->segment); };
     case Keyword::residue_name:
-      return [values](const Site& site) { return holds(values, site.place->residue->name); };
+      return [values](const Site& site) { return any_is_like(values, site.place->residue->name); };
     case Keyword::atom_name:
-      return [values](const Site& site) { return holds(values, site.atom->name.view()); };
+      return [values](const Site& site) { return any_is_like(values, site.atom->name.view()); };
     default:
       break;
   }
   for (std::string& value : values) value = upper_case(value);
   return [values](const Site& site) {
-    return holds(values, upper_case(std::string_view(gemmi::element_name(site.atom->element))));
+    return any_is_like(values,
+                       upper_case(std::string_view(gemmi::element_name(site.atom->element))));
   };
 }
 
