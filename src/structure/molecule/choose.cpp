@@ -1,11 +1,7 @@
 // Choice::run() goes through the options one after the other, on one list of sites. A site is an
 // atom of the file with its residue, chain and model (site.hpp). Each step erases sites and counts
 // them under its reason. The sites that are left get radii and become the atoms of the Molecule,
-// once each. For an assembly, its copies are listed; expanded() makes them.
-//
-// The atoms of an assembly are counted before its copies are listed. An operator expression of a
-// few characters can stand for billions of copies, so the number is checked against the limits
-// first.
+// once each. For an assembly, its copies are listed (assembly_copies.hpp); expanded() makes them.
 #include "structure/molecule/choose.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +10,6 @@
 #include <array>
 #include <gemmi/model.hpp>
 #include <map>
-#include <memory>
 #include <set>
 #include <span>
 #include <string_view>
@@ -24,11 +19,11 @@
 #include "core/errors.hpp"
 #include "core/letters.hpp"
 #include "structure/molecule/account.hpp"
+#include "structure/molecule/assembly_copies.hpp"
 #include "structure/molecule/residue_elements.hpp"
 #include "structure/molecule/site.hpp"
 #include "structure/molecule/site_selection.hpp"
 #include "structure/radii/assign_radii.hpp"
-#include "structure/read/copy_chain_names.hpp"
 #include "structure/read/hierarchy.hpp"
 #include "structure/read/lines.hpp"
 
@@ -37,11 +32,6 @@ namespace {
 
 // Elements that are too common to be listed in a note when they were derived from names.
 constexpr std::array<std::string_view, 7> kOrganicElements{"H", "D", "C", "N", "O", "P", "S"};
-
-template <class Names>
-bool listed(const Names& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 // A residue is a water by a name of the PDB alone. With a name that programs or beads have it is a
 // water if it has at most one oxygen, and beside that only hydrogens and atoms without an element
@@ -60,8 +50,6 @@ bool is_water(const gemmi::Residue& residue, std::span<const Site> sites) {
   }
   return oxygens.size() <= 1;
 }
-
-constexpr double kMostAtoms = 4294967294;  // 2^32 - 2, the most spheres that a SphereSet holds
 
 using ElementSymbols = std::array<ShortText, static_cast<std::size_t>(gemmi::El::END)>;
 
@@ -307,9 +295,9 @@ class Choice {
       const gemmi::El element = site.atom->element;
       if (!site.atom->element_guessed || element == gemmi::El::X) continue;
       ++molecule_.elements_guessed;
-      const char* const symbol = gemmi::element_name(element);
-      if (!listed(kOrganicElements, std::string_view(symbol)))
-        ++unusual[{symbol, site.place->residue->name, site.atom->name.str()}];
+      const std::string_view symbol = gemmi::element_name(element);
+      if (std::ranges::find(kOrganicElements, symbol) == kOrganicElements.end())
+        ++unusual[{std::string(symbol), site.place->residue->name, site.atom->name.str()}];
     }
     for (const auto& [key, count] : unusual)
       molecule_.unusual_elements_guessed.push_back(
@@ -359,7 +347,8 @@ class Choice {
     double atoms = 0;
     try {
       std::vector<bool> used(file_.atoms.size());
-      atoms = count_copies(make_recipe(file_.assemblies, names[0], file_.path), used);
+      atoms =
+          count_copies(make_recipe(file_.assemblies, names[0], file_.path), file_, sites_, used);
     } catch (const Error&) {
       return;  // nobody asked for it
     }
@@ -377,115 +366,21 @@ class Choice {
     molecule_.atoms_used = sites_.size();
   }
 
-  // Lists the copies of the assembly: model by model, in a model part by part of the recipe, in a
-  // part copy by copy. The sites of a model, [first, last), are consecutive: choose_models() put
-  // them in this order, and no step since then has sorted them.
   void take_assembly() {
-    const AssemblyRecipe recipe = find_recipe();
+    const AssemblyRecipe recipe = recipe_of(file_, options_.assembly);
     molecule_.warnings.insert(molecule_.warnings.end(), recipe.warnings.begin(),
                               recipe.warnings.end());
     std::vector<bool> used(file_.atoms.size());  // by index of the atom in the file
-    const double atoms = count_copies(recipe, used);
+    const double atoms = count_copies(recipe, file_, sites_, used);
     drop("not_in_assembly", [&](const Site& site) { return !used[index_of(site)]; });
     refuse_if_empty();
-    refuse_if_too_many(atoms);
+    refuse_if_too_many(atoms, file_.path, options_);
     take_all();
-    for (auto first = sites_.cbegin(); first != sites_.cend();) {
-      const auto last = std::find_if(first, sites_.cend(), [first](const Site& site) {
-        return site.place->model != first->place->model;
-      });
-      CopyChainNames names;  // each model begins with A1 again
-      for (const ChainCopies& part : recipe.parts) list_copies(part, first, last, names);
-      first = last;
-    }
+    // choose_models() made the sites of a model consecutive, and no step has sorted them since.
+    copies_ = list_copies(recipe, file_, sites_);
   }
 
-  // Throws if the file has no assembly of that name; the message lists the names.
-  AssemblyRecipe find_recipe() const {
-    const std::vector<std::string> names = assembly_names(file_.assemblies);
-    if (listed(names, options_.assembly))
-      return make_recipe(file_.assemblies, options_.assembly, file_.path);
-    constexpr std::size_t kMostNamed = 20;
-    std::string known;
-    for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) known += " " + names[i];
-    if (names.size() > kMostNamed) known += fmt::format(" and {} more", names.size() - kMostNamed);
-    throw InvalidInput(fmt::format("{}: has no assembly {}; there is asymmetric{}{}", file_.path,
-                                   options_.assembly, known.empty() ? " only" : " and", known));
-  }
-
-  // Whether the part of the recipe copies the chain of this site. The recipe names chains by author
-  // id or, from mmCIF, by label_asym_id, which gemmi keeps in Residue::subchain.
-  bool holds(const ChainCopies& part, const Site& site) const {
-    const bool by_author = file_.assemblies.chain_names == AssemblyTables::ChainNames::author;
-    return part.chains.count(by_author ? site.place->chain->name : site.place->residue->subchain) !=
-           0;
-  }
-
-  // Returns how many atoms the assembly has, and marks in `used` the atoms of the file that are in
-  // it. The result is a double because it may be huge. It is exact up to 2^53, far above
-  // kMostAtoms, so no assembly within the limits is miscounted.
-  double count_copies(const AssemblyRecipe& recipe, std::vector<bool>& used) const {
-    double total = 0;
-    for (const ChainCopies& part : recipe.parts) {
-      double held = 0;
-      for (const Site& site : sites_) {
-        if (!holds(part, site)) continue;
-        used[index_of(site)] = true;
-        ++held;
-      }
-      total += held * static_cast<double>(combination_count(part.products));
-    }
-    return total;
-  }
-
-  void refuse_if_too_many(double atoms) const {
-    const double bytes = atoms * static_cast<double>(sizeof(Atom));
-    const double allowed = static_cast<double>(options_.memory_limit);
-    if (bytes <= allowed && atoms <= kMostAtoms) return;
-    throw LimitExceeded(fmt::format(
-        "{}: assembly {} has {:.0f} atoms, which take {:.3g} GiB of memory; {:.3g} GiB and {:.0f} "
-        "atoms are allowed: choose a part of the atoms, or allow more memory",
-        file_.path, options_.assembly, atoms, bytes / 0x1p30, allowed / 0x1p30, kMostAtoms));
-  }
-
-  // The runs of sites in [first, last) that the part holds. The sites of a run follow each other
-  // and are of one chain.
-  std::vector<std::span<const Site>> runs_of(const ChainCopies& part, Sites::const_iterator first,
-                                             Sites::const_iterator last) const {
-    std::vector<std::span<const Site>> runs;
-    while (first != last) {
-      const auto begin = first;
-      const bool is_held = holds(part, *begin);
-      do {
-        ++first;
-      } while (first != last && first->place->chain == begin->place->chain &&
-               holds(part, *first) == is_held);
-      if (is_held) runs.emplace_back(begin, first);
-    }
-    return runs;
-  }
-
-  // Lists the copies of one part, for the sites [first, last) of one model. The atoms of the
-  // molecule have the indices of their sites.
-  void list_copies(const ChainCopies& part, Sites::const_iterator first, Sites::const_iterator last,
-                   CopyChainNames& names) {
-    const std::vector<std::span<const Site>> runs = runs_of(part, first, last);
-    // A part without atoms has no share in the number of atoms, so refuse_if_too_many() has not
-    // bounded its combinations. There may be more than 2^64 of them.
-    if (runs.empty()) return;
-    for (const OperatorProduct& product : part.products)
-      for_each_combination(product, [&](const OperatorCombination& combination) {
-        const AffineMap map = map_of(file_.assemblies, combination);
-        const std::string operators = name_of(file_.assemblies, combination);
-        for (const std::span<const Site> run : runs)
-          copies_.push_back({static_cast<std::uint64_t>(run.data() - sites_.data()), run.size(),
-                             map, names.of(*run.front().place->chain, combination), operators});
-      });
-  }
-
-  std::size_t index_of(const Site& site) const {
-    return static_cast<std::size_t>(site.atom - file_.atoms.data());
-  }
+  std::size_t index_of(const Site& site) const { return index_in(file_, site); }
 
   ParsedFile& file_;
   const ReadOptions& options_;
