@@ -105,8 +105,7 @@ void print_gradients(const char* name, std::size_t size, double probe,
                      const std::pair<double, double>& seconds) {
   std::printf(
       "probe %.1f  %8zu spheres, %s, measures %8.3f ms, with gradients %8.3f ms (%.3f times)  "
-      "%6.1f "
-      "M balls/s with gradients\n",
+      "%6.1f M balls/s with gradients\n",
       probe, size, name, 1e3 * seconds.first, 1e3 * seconds.second, seconds.second / seconds.first,
       1e-6 * static_cast<double>(size) / seconds.second);
 }

@@ -44,7 +44,7 @@ const Verb& take_verb(const Program& program, Words& words) {
     WordViews known;
     for (const Verb& one : program.verbs) known.push_back(one.name);
     const std::string advice =
-        advice_on_verb(program.name, {words.begin() + !words.empty(), words.end()}, given);
+        advice_on_verb(program.name, {words.begin() + (words.empty() ? 0 : 1), words.end()}, given);
     refuse_if(!advice.empty(), "{}: not a verb{}", given, advice);
     const std::string what =
         given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);

@@ -148,7 +148,10 @@ std::string in_shell(const std::string& word) {
   const auto is_plain = [kPlain](char c) {
     return is_letter(c) || is_digit(c) || kPlain.find(c) != kPlain.npos;
   };
-  return std::ranges::all_of(word, is_plain) && !word.empty() ? word : fmt::format("'{}'", word);
+  if (std::ranges::all_of(word, is_plain) && !word.empty()) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 std::string in_shell(std::span<const std::string> words) {
@@ -189,7 +192,7 @@ bool is_among(std::span<const std::string_view> known, std::string_view option) 
 std::optional<OtherWord> said_here(std::string_view option, std::string_view value,
                                    std::span<const std::string_view> known) {
   const std::string name = bare(option);
-  const bool is_output = name == "o" || name == "output";
+  const bool is_output = name == "o" || name == "output";  // looked up as "o.csv"
   const std::string there =
       is_output ? fmt::format("o{}", value.substr(std::min(value.rfind('.'), value.size()))) : name;
   const auto entry = std::ranges::find(kOptions, there, &OtherWord::there);

@@ -59,8 +59,9 @@ void settle_input(Draft& d) {
   refuse_if(d.verb != kBatch && std::ranges::count(d.paths, "-") > 0 &&
                 d.read.format == StructureFormat::by_extension,
             "INPUT -: standard input needs --format pdb, mmcif, bcif, pqr or xyzr");
-  refuse_if(d.paths.empty() && !d.samples.empty() && is_given(d, "--format"),
-            "--format: is of a file, and --sample has its own; leave it out");
+  const std::string of_file = first_given(d, {"--format", "--units"});
+  refuse_if(d.paths.empty() && !d.samples.empty() && !of_file.empty(),
+            "{}: is of a file, and --sample has its own; leave it out", of_file);
   for (const std::string& path : d.paths) d.options.inputs.push_back({path, "", d.read, probe});
   for (const std::string& sample : d.samples) {
     d.options.inputs.push_back({"", sample, d.read, probe});

@@ -95,8 +95,10 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
   const bool is_ply = format == MeshFormat::ply;
   if (has_patches && !is_ply) {
     report.notes.push_back(
-        path +
-        ": does not say which patch each triangle is part of, nor curvatures; only PLY does");
+        path + (format == MeshFormat::msh
+                    ? ": does not have curvatures; only PLY does"
+                    : ": does not say which patch each triangle is part of, nor curvatures; PLY "
+                      "does, and MSH has the patches"));
   }
   const bool has_spheres = is_ply || format == MeshFormat::msh || format == MeshFormat::vtp;
   if (!made.mesh.triangle_spheres.empty() && !has_spheres) {

@@ -86,10 +86,11 @@ Vec3d start_of(const Options& options, const Molecule& molecule, const SphereSet
   constexpr std::string_view kPocket = "pocket:";
   if (from.starts_with(kPocket)) {
     const auto found =
-        pockets(to_spheres(molecule, options.inputs.front().probe), {.monitor = session.monitor})
+        pockets(to_spheres(molecule, options.inputs.front().probe),
+                {.monitor = session.monitor, .memory_limit = options.machine.memory_limit})
             .pockets;
     refuse_if(found.empty(), "--from {}: there are no pockets", from);
-    const auto rank = parse_integer("--from", from.substr(kPocket.size()), 1,
+    const auto rank = parse_integer("--from pocket", from.substr(kPocket.size()), 1,
                                     static_cast<std::int64_t>(found.size()));
     return found[static_cast<std::size_t>(rank - 1)].clear_place;
   }

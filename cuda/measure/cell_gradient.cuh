@@ -4,11 +4,10 @@
 // 1. add_faces(): a face for each lane. Adds what its exposed angle counts for, also by the sector
 //    of its area, and writes down what its arcs and segments will count for.
 // 2. add_edges(): an edge for each lane, which is a segment of two faces. With the segment from p
-// to
-//    q, counter-clockwise about a face's axis n, s = n · (p × q) is twice the area of the triangle
-//    over it, and s (p + q) / 6 the integral over that of the place. An end that is a corner is the
-//    start of an arc of one face and the end of one of the other: T is the sum of n × (start -
-//    end).
+//    to q, counter-clockwise about a face's axis n, s = n · (p × q) is twice the area of the
+//    triangle over it, and s (p + q) / 6 the integral over that of the place. An end that is a
+//    corner is the start of an arc of one face and the end of one of the other: T of face_rates.hpp
+//    is the sum of n × (start - end).
 // 3. share(): adds up the lanes; four of them have one of the eight derivatives.
 #pragma once
 

@@ -57,10 +57,10 @@ struct Leftovers {
 // What is computed of a ball.
 enum class Wanted { measures, gradients };
 
-// Where rows go, and the weights by list place, null if all are 1. Both null for measures alone.
+// What derivatives need; all null for measures alone.
 struct GradientRows {
-  BallGradient* rows;  // by index in the batch
-  const arcs::BallWeights* weights;
+  BallGradient* rows;                // by index in the batch
+  const arcs::BallWeights* weights;  // by list place; null: all are 1
   MeasureCounts* counts;
 
   __device__ arcs::BallWeights weights_of(ListPlace place) const {

@@ -45,6 +45,6 @@ class Vdwmesh < Formula
   end
 
   test do
-    assert_match "Euler characteristic", shell_output("#{bin}/vdwmesh report --sample bpti")
+    assert_match "Topology", shell_output("#{bin}/vdwmesh report --sample bpti")
   end
 end

@@ -96,12 +96,11 @@ def residue_areas(
     if atoms.residues is None or atoms.resnames is None:
         raise InvalidInput("coords: has no residues; give a molecule, or sasa(..., mode='residue', groups=...)")
     named = None if radii is None else os.fspath(radii)
-    areas = sasa(
-        atoms, named, probe=probe, mode="residue", groups=_plain(atoms.residues), threads=threads, device=device
-    )
+    labels = _plain(atoms.residues)
+    areas = sasa(atoms, named, probe=probe, mode="residue", groups=labels, threads=threads, device=device)
     if areas.ndim != 1:
         raise InvalidInput("coords: has several frames; sasa(..., mode='residue') takes them")
-    numbers, count = numbered(_plain(atoms.residues), len(atoms.resnames))
+    numbers, count = numbered(labels, len(atoms.resnames))
     first = np.unique(numbers, return_index=True)[1]
     resnames = _texts(atoms.resnames)[first]
     radius_set = named or (coords.radius_set if isinstance(coords, Molecule) else "bondi")

@@ -44,8 +44,8 @@ constexpr std::size_t kCellsPerBlock = 1024;
 // Cells of one round: enough for all cores; their parts, and the parts of those, take some 15 MiB.
 constexpr std::size_t kTogether = std::size_t{1} << 14;
 constexpr std::uint64_t kBytesPerCell = 112;
-// Creases are looked for at least this share of the probe's radius away, and this far (Å): farther
-// ones do not matter to a mesh that is nearer to the surface.
+// Creases are looked for beyond a cell's width by this share of the probe's radius, at most by
+// kCreaseReach (Å): farther ones do not matter to a mesh that is nearer to the surface.
 constexpr double kCreaseShare = 0.25, kCreaseReach = 0.5;
 
 // A triangle of the mesh, or a part of one.

@@ -10,7 +10,6 @@
 
 #include "complex/boundary/exposed_arcs.hpp"
 #include "complex/dual_complex.hpp"
-#include "complex/regular_cells.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/order/sorted_rows.hpp"
 #include "measures/measures.hpp"
@@ -33,11 +32,6 @@ void list_neighbors(const DualComplex& complex, std::size_t balls, ExposedBounda
 }
 
 }  // namespace
-
-ExposedCorner exposed_corner(std::array<std::uint32_t, 3> balls, std::uint32_t side) {
-  const bool odd = sort_is_odd(balls);
-  return {balls, odd ? 1 - side : side};
-}
 
 ExposedBoundary exposed_boundary(const PowerTriangulation& triangulation,
                                  const DualComplex& complex) {

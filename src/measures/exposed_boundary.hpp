@@ -1,6 +1,6 @@
 // The exposed corners and arcs of the union's boundary as combinatorics: which balls meet there,
-// and which corners an arc joins. Their order follows from the numbers of the balls alone, so it
-// does not matter how they were found: from the dual complex, or from one power cell after another.
+// and which corners an arc joins. They come from the dual complex; their order follows from the
+// numbers of the balls alone.
 #pragma once
 
 #include <array>
@@ -25,10 +25,6 @@ struct ExposedCorner {
   friend auto operator<=>(const ExposedCorner&, const ExposedCorner&) = default;
 };
 
-// The corner of three balls in any order, on the side from which their centres are
-// counter-clockwise in that order (side 0) or on the other.
-ExposedCorner exposed_corner(std::array<std::uint32_t, 3> balls, std::uint32_t side);
-
 // An exposed arc of the circle in which two spheres meet. It runs counter-clockwise about the axis
 // from the first ball to the second, seen from the second. An arc without corners is a whole
 // circle, or a point if the balls only touch. Arcs are sorted in this order; two arcs differ in
@@ -43,8 +39,7 @@ struct CornerArc {
 struct ExposedBoundary {
   Buffer<ExposedCorner> corners;
   Buffer<CornerArc> arcs;
-  // By ball, ascending: the balls that share an edge of the dual complex with it, exposed or not. A
-  // ball without arcs may have an empty row instead.
+  // By ball, ascending: the balls that share an edge of the dual complex with it, exposed or not.
   std::span<const std::uint32_t> neighbors(std::uint32_t ball) const {
     return {neighbor_lists.data() + first_neighbor[ball],
             first_neighbor[ball + 1] - first_neighbor[ball]};
@@ -54,7 +49,6 @@ struct ExposedBoundary {
   std::vector<double> areas;                // exposed, by ball; scaled as the balls are
 };
 
-// All of it from the complex.
 ExposedBoundary exposed_boundary(const PowerTriangulation& triangulation,
                                  const DualComplex& complex);
 

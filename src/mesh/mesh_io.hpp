@@ -42,7 +42,7 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 std::vector<std::string> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
                                     std::span<const RgbColor> sphere_colors = {},
                                     const Monitor* monitor = nullptr);
-// PLY alone says which patch each triangle is part of, and the curvatures of the vertices.
+// PLY and MSH say which patch each triangle is part of, PLY alone the curvatures of the vertices.
 std::vector<std::string> write_mesh(const PatchedMesh& mesh, const std::filesystem::path& path,
                                     std::span<const RgbColor> sphere_colors = {},
                                     const Monitor* monitor = nullptr);

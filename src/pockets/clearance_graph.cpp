@@ -24,7 +24,7 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 // that differ by less than the second are equal up to rounding.
 constexpr double kSamePlace = 1e-6, kSameGap = 1e-11;
 
-using Triangle = std::array<std::uint32_t, 3>;  // balls, ascending
+using BallTriple = std::array<std::uint32_t, 3>;  // ascending
 
 // A triangulation of all balls grown by `clearance`, with the components outside of them.
 struct GrownBalls {
@@ -165,9 +165,8 @@ class ClearanceGraphFinder {
   }
 
   std::uint32_t component_of(const Vec3d& place) const {
-    std::uint32_t first = 0;
-    while (first + 1 < top_.t.cells.size() && !is_finite_cell(top_.t, first)) ++first;
-    const std::uint32_t c = cell_at(top_.t, std::ldexp(1.0, -top_.scale) * place, first);
+    const std::uint32_t c =
+        cell_at(top_.t, std::ldexp(1.0, -top_.scale) * place, first_finite_cell(top_.t));
     return top_.component[c] == kNoIndex ? kOutsideNode : top_.component[c];
   }
 
@@ -222,7 +221,7 @@ class ClearanceGraphFinder {
     // The other cell takes the face; `seen_` takes a face of the hull once.
     if (n != kNoIndex && n < c && is_finite_cell(t, n)) return;
     const auto& f = kFacetVertices[k];
-    Triangle face;
+    BallTriple face;
     for (std::size_t m = 0; m < 3; ++m) {
       const std::uint32_t v = t.cells[c][f[m]];
       if (!t.is_ball(v)) return;
@@ -340,7 +339,7 @@ class ClearanceGraphFinder {
   std::vector<ClimbEnd> ends_, starts_;
   std::vector<ClearancePass> passes_;
   std::vector<ClimbEnd> pass_ends_;  // two for each pass
-  std::set<Triangle> seen_;
+  std::set<BallTriple> seen_;
   ClearanceGraph graph_;
 };
 

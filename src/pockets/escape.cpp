@@ -53,15 +53,6 @@ Gate gate_of(const PowerTriangulation& t, std::uint32_t c, std::size_t k) {
   return gate;
 }
 
-// Where a walk begins: in a cell at infinity it would end at once. Nothing but such cells: the
-// first.
-std::uint32_t first_finite_cell(const PowerTriangulation& t) {
-  for (std::uint32_t c = 0; c < t.cells.size(); ++c) {
-    if (is_finite_cell(t, c)) return c;
-  }
-  return 0;
-}
-
 // Dijkstra's algorithm for the widest path from a place to infinity. It ends at the first cell
 // there.
 Narrowest narrowest_in(const PowerTriangulation& t, const Vec3d& place) {
@@ -202,6 +193,13 @@ class EscapeFinder {
 };
 
 }  // namespace
+
+std::uint32_t first_finite_cell(const PowerTriangulation& t) {
+  for (std::uint32_t c = 0; c < t.cells.size(); ++c) {
+    if (is_finite_cell(t, c)) return c;
+  }
+  return 0;
+}
 
 std::uint32_t cell_at(const PowerTriangulation& t, const Vec3d& place, std::uint32_t from) {
   const Sphere point{place, 1};

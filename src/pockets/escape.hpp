@@ -10,6 +10,9 @@
 
 namespace vdwmesh {
 
+// Where a walk to a point begins: in a cell at infinity it would end at once. Cell 0 if all are.
+std::uint32_t first_finite_cell(const PowerTriangulation& triangulation);
+
 // The cell that contains a point, found by a walk from another cell: every step goes to the other
 // side of a face, and in a regular triangulation such a walk ends.
 std::uint32_t cell_at(const PowerTriangulation& triangulation, const Vec3d& place,

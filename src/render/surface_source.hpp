@@ -33,9 +33,8 @@ struct TriangleValues {
 };
 using Paint = std::variant<Rgb, VertexColors, VertexValues, TriangleValues>;
 
-// A mesh with its paint. The mesh must outlive it. If the mesh has one normal per
-// vertex, these are shown; normals that are missing, zero or not finite are taken from
-// vertex_normals().
+// A mesh with its paint. The mesh must outlive it. If the mesh has one normal per vertex, these are
+// shown; normals that are missing, zero or not finite are taken from vertex_normals().
 //
 // Throws InvalidInput for a mesh without triangles or without area, for an index out of range, for
 // a vertex of a triangle that is not finite, and for a number of colours or values that differs

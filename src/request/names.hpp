@@ -141,8 +141,9 @@ std::string suggestion(std::string_view given, std::span<const std::string_view>
 // and lists the names.
 template <class T>
 T value_named(std::string_view option, std::string_view text) {
+  const std::string small = lower_case(text);
   for (const auto& known : kNames<T>) {
-    if (known.name == text || known.name == lower_case(text)) return known.value;
+    if (known.name == small) return known.value;
   }
   throw_unknown_name(option, text, all_names<T>());
 }

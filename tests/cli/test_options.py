@@ -60,6 +60,7 @@ class Refusals(ProgramTest):
     def test_a_sample_has_its_own_format(self):
         for verb in ("exact", "report"):
             self.assert_refused(BAD_INPUT, verb, "--sample", "bpti", "--format", "xyzr", says=("--format", "--sample"))
+            self.assert_refused(BAD_INPUT, verb, "--sample", "bpti", "--units", "nm", says=("--units", "--sample"))
 
     def test_a_radius_file_adds_to_a_set(self):
         mine, table = self.file("mine.txt", "ZN 2.5\nMET CA 3\nmet CA 4\n"), self.folder / "r.json"

@@ -125,6 +125,7 @@ class Pockets(ProgramTest):
         for place in ("A/LEU 50/CD1", "A/50/CD1", "30,28,14"):
             self.assertGreater(self.report("pockets", UBIQUITIN, "--from", place)["way"]["length"], 0)
         self.assert_refused(BAD_INPUT, "pockets", UBIQUITIN, "--from", "A/1/XX", says=("--from", "pocket:1"))
+
     def rows(self, *arguments, code=DONE):
         result = run("batch", *arguments, "--verb", "pockets")
         self.assertEqual(result.returncode, code, result.stderr)

@@ -4,7 +4,7 @@
 //   VDWMESH_REQUIRE_SHARED    the structures and references beside the project
 //   VDWMESH_REQUIRE_PACKAGES  the programs and modules of Debian packages
 //   VDWMESH_REQUIRE_EGL       drawing
-//   VDWMESH_REQUIRE_CUDA      a CUDA device; VDWMESH_REQUIRE_CUDA_GL: one that OpenGL draws on too
+//   VDWMESH_REQUIRE_CUDA      a CUDA device
 //
 // Continuous integration sets the ones it can fulfil, and tests/allowed_skips.csv lists every other
 // skip that it accepts. tests/cli/program.py is the counterpart for tests in Python.

@@ -18,13 +18,10 @@ namespace vdwmesh::arcs {
 // Keeps its memory from ball to ball.
 class BallCaps {
  public:
-  static constexpr std::size_t kNoEnd = static_cast<std::size_t>(-1);
-
   // Finds the caps of the balls that cut the ball at list place `place`. Returns false, and has no
   // caps, if one of the others buries it; of equal balls the one of the lowest id buries the
   // others.
-  // With more than `most` balls near, as known if it returns true, it makes no caps (is_crowded()).
-  bool find(const CellListView& list, ListPlace place, std::size_t most = kNoEnd);
+  bool find(const CellListView& list, ListPlace place);
 
   std::span<const Cap> caps() const { return {caps_.data(), count_}; }
   // The balls that cover the caps, in the order that find() left the caps in.
@@ -38,8 +35,6 @@ class BallCaps {
   // Whether the spheres of this ball and another one touch, or nearly so, from outside or inside.
   // Known if find() returned true.
   bool is_nearly_tangent() const { return is_nearly_tangent_; }
-  // Whether more balls are near than find() was to take.
-  bool is_crowded() const { return is_crowded_; }
 
  private:
   // BallLanes spheres of the list, as lanes: their centres from the ball's centre, and their radii.
@@ -48,8 +43,7 @@ class BallCaps {
   };
   static BallLanes four_of(const CellListView& list, const Sphere& ball, const ListPlace* places);
 
-  bool list_candidates(const CellListView& list, const Sphere& ball, ListPlace place,
-                       std::size_t enough = kNoEnd);
+  void list_candidates(const CellListView& list, const Sphere& ball, ListPlace place);
   bool keep_near(const CellListView& list, const Sphere& ball, ListPlace place);
   bool make_caps(const CellListView& list, const Sphere& ball);
   bool find_singly(const CellListView& list, const Sphere& ball, ListPlace place);
@@ -61,7 +55,7 @@ class BallCaps {
   std::vector<ListPlace> neighbors_;
   std::size_t near_count_ = 0, count_ = 0;
   ListPlace buried_by_{};
-  bool is_nearly_tangent_ = false, is_crowded_ = false;
+  bool is_nearly_tangent_ = false;
 };
 
 VDWMESH_INLINE BallCaps::BallLanes BallCaps::four_of(const CellListView& list, const Sphere& ball,
@@ -76,10 +70,9 @@ VDWMESH_INLINE BallCaps::BallLanes BallCaps::four_of(const CellListView& list, c
 }
 
 // Fills near_ with the balls of all cells near this one, and behind them with the ball itself up to
-// a multiple of four. Returns whether these are all: it stops behind the row that has made them
-// `enough`.
-VDWMESH_INLINE bool BallCaps::list_candidates(const CellListView& list, const Sphere& ball,
-                                              ListPlace place, std::size_t enough) {
+// a multiple of four.
+VDWMESH_INLINE void BallCaps::list_candidates(const CellListView& list, const Sphere& ball,
+                                              ListPlace place) {
   using Places = std::uint32_t __attribute__((vector_size(16)));
   const Vec3d r{ball.radius, ball.radius, ball.radius};
   std::size_t found = 0;
@@ -100,12 +93,11 @@ VDWMESH_INLINE bool BallCaps::list_candidates(const CellListView& list, const Sp
       low += 8;
     }
     found += end - first;
-    return found >= enough;
+    return false;
   };
-  const bool stopped = visit_rows_near_box(list, ball.center - r, ball.center + r, take_row);
+  visit_rows_near_box(list, ball.center - r, ball.center + r, take_row);
   std::fill_n(&near_[found], 4, place);
   near_count_ = found;
-  return !stopped;
 }
 
 // Keeps those of the candidates that overlap or touch the ball, or nearly so, and have another
@@ -227,23 +219,11 @@ inline bool BallCaps::find_singly(const CellListView& list, const Sphere& ball, 
   return true;
 }
 
-inline bool BallCaps::find(const CellListView& list, ListPlace place, std::size_t most) {
+inline bool BallCaps::find(const CellListView& list, ListPlace place) {
   const Sphere& ball = list.spheres[place];
-  // A ball that has very many candidates is mostly crowded, which the first of them show.
-  bool are_all = list_candidates(list, ball, place, most < kNoEnd / 16 ? 16 * most : most);
-  bool are_apart = keep_near(list, ball, place);
-  if (!are_all && near_count_ <= most) {
-    are_all = list_candidates(list, ball, place);
-    are_apart = keep_near(list, ball, place);
-  }
-  is_crowded_ = near_count_ > most;
-  if (is_crowded_) {
-    count_ = 0;
-    is_nearly_tangent_ = false;
-    return true;
-  }
-  if (are_apart && make_caps(list, ball)) return true;
   list_candidates(list, ball, place);
+  if (keep_near(list, ball, place) && make_caps(list, ball)) return true;
+  list_candidates(list, ball, place);  // keep_near() has left some out
   return find_singly(list, ball, place);
 }
 

@@ -30,12 +30,6 @@ enum Doubt : std::uint32_t {
 // point.
 inline constexpr std::uint32_t kOnlyCountsInDoubt = kNearlyTangent | kAlongEdge;
 
-// The crease-exact mesher leaves a ball near which there are more to the triangulation, whose time
-// does not grow with their number. Balls of molecules have some dozen, with a probe of 1.4 Å some
-// hundred at most. Measures by arcs cut every ball by all: a device does so too, and both must have
-// the same bits.
-inline constexpr std::size_t kMostNear = 512;
-
 // A vertex beyond a plane by at most this counts as lying on it: 45 machine epsilons.
 inline constexpr double kSlack = 1e-14;
 // Rounding may decide on which side of a plane or sphere a point lies that is nearer to it than

@@ -6,8 +6,8 @@
 // MeshLab writes in another order, or OFF[+N][+A] of NanoShaper, for a normal and an atom. Normals
 // follow the position in all of them and are read; all else is skipped, as are colours of faces.
 // The keyword may be missing (Geomview), the first count may follow it without a blank (ModelNet),
-// and the count of edges may be missing. The writer makes a plain OFF
-// without a comment, which programs may take for the counts.
+// and the count of edges may be missing. The writer makes a plain OFF without a comment, which
+// programs may take for the counts.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -10,6 +10,7 @@
 #include <gemmi/model.hpp>
 #include <map>
 #include <set>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -19,7 +20,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kNamesInAMessage = 8;  // names in a message
+constexpr std::size_t kNamesInAMessage = 8;
 
 std::string kind_as_text(const std::string& residue) {
   switch (kind_of_residue(residue)) {
@@ -49,29 +50,17 @@ std::string name_of(const Site& site) {
                      site.place->chain->name, residue.seqid.num ? residue.seqid.str() : "");
 }
 
-// Calls visit(first, last) for the sites of each residue.
-template <class Visit>
-void for_each_residue(const Sites& sites, const Visit& visit) {
-  for (auto first = sites.begin(); first != sites.end();) {
-    const auto last = std::find_if(
-        first, sites.end(), [first](const Site& site) { return site.place != first->place; });
-    visit(first, last);
-    first = last;
-  }
-}
-
 // The median, over the first atoms of the file, of the distance to the nearest other atom of their
 // residue; 0 if too few atoms have one. In molecules it is the length of a bond, 0.9 to 2.5 Å.
 double usual_distance(const Sites& sites) {
   constexpr std::size_t kFew = 8, kEnough = 2000, kLargeResidue = 100;  // atoms
   std::vector<double> distances;
-  for_each_residue(sites, [&](auto first, auto last) {
-    if (distances.size() >= kEnough || last - first > static_cast<std::ptrdiff_t>(kLargeResidue))
-      return;
-    for (auto a = first; a != last; ++a) {
+  for_each_residue(sites, [&](std::span<const Site> residue) {
+    if (distances.size() >= kEnough || residue.size() > kLargeResidue) return;
+    for (const Site& a : residue) {
       double least = 0;
-      for (auto b = first; b != last; ++b) {
-        const double d = norm(a->atom->position - b->atom->position);
+      for (const Site& b : residue) {
+        const double d = norm(a.atom->position - b.atom->position);
         if (d > 0 && (least == 0 || d < least)) least = d;
       }
       if (least > 0) distances.push_back(least);
@@ -149,12 +138,12 @@ void warn_of_trace(const Sites& sites, Molecule& molecule) {
   constexpr std::size_t kFew = 8;  // residues
   std::size_t residues = 0, single = 0;
   std::string_view of_trace;
-  for_each_residue(sites, [&](auto first, auto last) {
-    const ResidueKind kind = kind_of_residue(first->place->residue->name);
+  for_each_residue(sites, [&](std::span<const Site> residue) {
+    const ResidueKind kind = kind_of_residue(residue.front().place->residue->name);
     if (kind != ResidueKind::protein && kind != ResidueKind::nucleic) return;
     ++residues;
-    const std::string_view name = first->atom->name.view();
-    if (last - first != 1 || (name != "CA" && name != "P")) return;
+    const std::string_view name = residue.front().atom->name.view();
+    if (residue.size() != 1 || (name != "CA" && name != "P")) return;
     ++single;
     of_trace = name;
   });
@@ -173,9 +162,9 @@ void note_hydrogens(const Sites& sites, const ReadOptions& options, const Radius
       std::ranges::any_of(sites, is_hydrogen))
     return;
   std::size_t of_protein = 0;
-  for_each_residue(sites, [&](auto first, auto last) {
-    if (kind_of_residue(first->place->residue->name) == ResidueKind::protein)
-      of_protein += static_cast<std::size_t>(last - first);
+  for_each_residue(sites, [&](std::span<const Site> residue) {
+    if (kind_of_residue(residue.front().place->residue->name) == ResidueKind::protein)
+      of_protein += residue.size();
   });
   if (of_protein < kFew) return;
   molecule.notes.push_back(fmt::format(
@@ -187,12 +176,11 @@ void note_hydrogens(const Sites& sites, const ReadOptions& options, const Radius
 void note_hetero_atoms(const Sites& sites, Molecule& molecule) {
   std::map<std::string, std::uint64_t> counts;
   std::size_t hetero = 0;
-  for_each_residue(sites, [&](auto first, auto last) {
-    const std::string& name = first->place->residue->name;
-    if (!first->atom->hetero) return;
-    hetero += static_cast<std::size_t>(last - first);
-    if (kind_of_residue(name) == ResidueKind::other)
-      counts[name] += static_cast<std::uint64_t>(last - first);
+  for_each_residue(sites, [&](std::span<const Site> residue) {
+    const std::string& name = residue.front().place->residue->name;
+    if (!residue.front().atom->hetero) return;
+    hetero += residue.size();
+    if (kind_of_residue(name) == ResidueKind::other) counts[name] += residue.size();
   });
   if (counts.empty() || hetero == sites.size()) return;
   std::vector<std::string> parts;
@@ -214,12 +202,12 @@ std::vector<KeptAtoms> kept_by_kind(const Sites& sites) {
   std::vector<KeptAtoms> kept;
   std::map<std::string, std::size_t> places;
   bool has_names = true;
-  for_each_residue(sites, [&](auto first, auto last) {
-    const std::string kind = kind_as_text(first->place->residue->name);
+  for_each_residue(sites, [&](std::span<const Site> residue) {
+    const std::string kind = kind_as_text(residue.front().place->residue->name);
     has_names = has_names && !kind.empty();
     const std::size_t place = places.try_emplace(kind, kept.size()).first->second;
     if (place == kept.size()) kept.push_back({kind, 0});
-    kept[place].atoms += static_cast<std::uint64_t>(last - first);
+    kept[place].atoms += residue.size();
   });
   return has_names ? kept : std::vector<KeptAtoms>();
 }
@@ -235,17 +223,18 @@ std::string names_of_what_is_there(const Sites& sites) {
     chains.push_back(fmt::format("{} ({}{}{})", chain->name, first_number, is_one ? "" : "-",
                                  is_one ? "" : last_number));
   };
-  for_each_residue(sites, [&](auto first, auto) {
-    const gemmi::Residue& residue = *first->place->residue;
-    if (first->place->chain != chain) {
+  for_each_residue(sites, [&](std::span<const Site> residue) {
+    const ResiduePlace& place = *residue.front().place;
+    if (place.chain != chain) {
       end_chain();
-      chain = first->place->chain;
+      chain = place.chain;
       first_number.clear();
     }
-    const ResidueKind kind = kind_of_residue(residue.name);
-    if (kind == ResidueKind::other) others.insert(residue.name);
-    if (!residue.seqid.num || kind == ResidueKind::other || kind == ResidueKind::water) return;
-    last_number = residue.seqid.str();
+    const ResidueKind kind = kind_of_residue(place.residue->name);
+    if (kind == ResidueKind::other) others.insert(place.residue->name);
+    if (!place.residue->seqid.num || kind == ResidueKind::other || kind == ResidueKind::water)
+      return;
+    last_number = place.residue->seqid.str();
     if (first_number.empty()) first_number = last_number;
   });
   end_chain();

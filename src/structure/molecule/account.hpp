@@ -16,7 +16,7 @@ namespace vdwmesh {
 std::vector<KeptAtoms> kept_by_kind(const Sites& sites);
 
 // Chains with their residue numbers, and the names of residues that are no polymer: what a
-// selection could have named. "chains A (1-76) and B (1-76); HEM, PO4".
+// selection could have named. "chains A (1-76), B (1-76); residues HEM, PO4".
 std::string names_of_what_is_there(const Sites& sites);
 
 // The elements that names told, of which users can check those that are no common ones.

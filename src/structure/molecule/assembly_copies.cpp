@@ -1,4 +1,5 @@
-// A part of a recipe copies some chains by some products of operators.
+// A part of a recipe copies some chains by some products of operators, in every model of the file
+// alike.
 #include "structure/molecule/assembly_copies.hpp"
 
 #include <fmt/format.h>

@@ -196,9 +196,9 @@ class Choice {
   void select() {
     if (options_.select.empty()) return;
     const SiteSelection selection(options_.select, file_);
-    const Sites all = sites_;
-    drop("not_selected", [&](const Site& site) { return !selection.contains(site); });
-    if (sites_.empty()) refuse_selection(options_.select, all);
+    const auto is_selected = [&](const Site& site) { return selection.contains(site); };
+    if (std::ranges::none_of(sites_, is_selected)) refuse_selection(options_.select, sites_);
+    drop("not_selected", [&](const Site& site) { return !is_selected(site); });
   }
 
   // What there is beside a selection that matches nothing: other atoms, and the same in capitals.

@@ -85,17 +85,6 @@ void read_doubtful_by_letters(std::span<const Site> residue) {
       site.atom->element = element_by_letters(site);
 }
 
-// Calls act(sites of the residue) for each residue.
-template <class Act>
-void for_each_residue(const Sites& sites, const Act& act) {
-  for (auto first = sites.begin(); first != sites.end();) {
-    const auto last = std::find_if(
-        first, sites.end(), [first](const Site& site) { return site.place != first->place; });
-    act(std::span<const Site>(first, last));
-    first = last;
-  }
-}
-
 // Whether the element's symbol has two letters, and the name begins by them.
 bool begins_name(El element, std::string_view name) {
   const std::string_view symbol = gemmi::element_name(element);

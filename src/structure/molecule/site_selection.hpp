@@ -1,6 +1,5 @@
 // A selection of atoms, in gemmi's syntax ("A/10-40/CA") or in words ("chain A and name CA";
-// word_selection.hpp), applied to the sites of a file. Internal
-// header of this folder.
+// word_selection.hpp), applied to the sites of a file. Internal header of this folder.
 #pragma once
 
 #include <memory>
@@ -23,9 +22,8 @@ class SiteSelection {
   // and "A/*-10" for it and all before, as "A/-10" does in a file without negative numbers, of
   // which file.warnings tells. The condition "A;segment=P1,P2" is one of this program; a chain
   // without an id goes by the id of its segment too. Throws InvalidInput, with examples, for a text
-  // that is no selection. Selections by entity type
-  // ("polymer") make gemmi derive these types in file.structure, for which it needs residues with
-  // their atoms.
+  // that is no selection. Selections by entity type ("polymer") make gemmi derive these types in
+  // file.structure, for which it needs residues with their atoms.
   SiteSelection(const std::string& text, ParsedFile& file);
   ~SiteSelection();
 

@@ -30,7 +30,7 @@ enum class Keyword {
   ligand,
   hydrogen,
   hetatm,
-  all,  // without values
+  all,  // up to here without values
   chain,
   residue_number,
   residue_name,
@@ -93,33 +93,33 @@ void add_values(const std::string& word, std::vector<std::string>& values) {
 }
 
 // A residue number with its insertion code, in the order of a chain.
-using Place = std::pair<int, char>;
+using ResidueNumber = std::pair<int, char>;
 
 struct NumberRange {
-  Place first, last;
+  ResidueNumber first, last;
 };
 
 // Takes "10", "-3" or "52A" off the text.
-std::optional<Place> take_place(std::string_view& text) {
+std::optional<ResidueNumber> take_residue_number(std::string_view& text) {
   std::size_t end = text.starts_with('-') ? 1 : 0;
   while (end < text.size() && is_digit(text[end])) ++end;
   const auto number = whole_number(text.substr(0, end));
   if (!number || *number <= INT_MIN || *number >= INT_MAX) return std::nullopt;
   text.remove_prefix(end);
-  Place place{static_cast<int>(*number), ' '};
+  ResidueNumber place{static_cast<int>(*number), ' '};
   if (text.empty() || !is_letter(text[0])) return place;
   place.second = upper_case(text[0]);
   text.remove_prefix(1);
   return place;
 }
 
-std::optional<NumberRange> places_of(std::string_view text) {
-  const auto first = take_place(text);
+std::optional<NumberRange> residue_numbers_of(std::string_view text) {
+  const auto first = take_residue_number(text);
   if (!first) return std::nullopt;
   if (text.empty()) return NumberRange{*first, *first};
   if (text[0] != '-' && text[0] != ':') return std::nullopt;
   text.remove_prefix(1);
-  const auto last = take_place(text);
+  const auto last = take_residue_number(text);
   return last && text.empty() ? std::optional(NumberRange{*first, *last}) : std::nullopt;
 }
 
@@ -162,11 +162,11 @@ SiteTest test_of(Keyword keyword, std::vector<std::string> values) {
   };
 }
 
-SiteTest test_of_places(const std::vector<NumberRange>& all) {
+SiteTest test_of_numbers(const std::vector<NumberRange>& all) {
   return [all](const Site& site) {
     const gemmi::SeqId& id = site.place->residue->seqid;
     if (!id.num.has_value()) return false;
-    const Place here{*id.num, upper_case(id.icode)};
+    const ResidueNumber here{*id.num, upper_case(id.icode)};
     return std::ranges::any_of(
         all, [here](const NumberRange& p) { return p.first <= here && here <= p.last; });
   };
@@ -269,11 +269,11 @@ class SelectionWords {
     }
     std::vector<NumberRange> all;
     for (const std::string& text : texts) {
-      const auto places = places_of(text);
-      if (!places) throw InvalidInput(fmt::format("near {}", in_quotes(text)));
-      all.push_back(*places);
+      const auto numbers = residue_numbers_of(text);
+      if (!numbers) throw InvalidInput(fmt::format("near {}", in_quotes(text)));
+      all.push_back(*numbers);
     }
-    return test_of_places(all);
+    return test_of_numbers(all);
   }
 
   bool take(std::string_view word) {
