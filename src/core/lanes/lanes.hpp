@@ -19,9 +19,9 @@ using LaneBits = std::int64_t __attribute__((vector_size(kLanes * sizeof(std::in
 // done would depend on the processor version (core/lanes/multiversion.hpp).
 #define VDWMESH_INLINE inline __attribute__((always_inline))
 
-// GCC warns wherever such a function is called, although it is inlined; so the warning stays off in
-// the files that include this one.
-#if defined(__GNUC__) && !defined(__clang__)
+// Compilers warn wherever such a function is called, although it is inlined; so the warning stays
+// off in the files that include this one.
+#ifdef __GNUC__
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 

@@ -14,6 +14,7 @@
 #include <tuple>
 #include <utility>
 
+#include "structure/molecule/each_residue.hpp"
 #include "structure/molecule/residue_elements.hpp"
 #include "structure/read/lines.hpp"
 

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "core/letters.hpp"
+#include "structure/molecule/each_residue.hpp"
 #include "structure/molecule/elements.hpp"
 #include "structure/molecule/site.hpp"
 #include "structure/read/hierarchy.hpp"

@@ -3,8 +3,6 @@
 // parsed_file.hpp, themselves.
 #pragma once
 
-#include <algorithm>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -35,17 +33,6 @@ struct Site {
 
 // The atoms of a residue stand together, as in gemmi's hierarchy.
 using Sites = std::vector<Site>;
-
-// Calls act(sites of the residue, as a span) for each residue.
-template <class Act>
-void for_each_residue(const Sites& sites, const Act& act) {
-  for (auto first = sites.begin(); first != sites.end();) {
-    const auto last = std::find_if(
-        first, sites.end(), [first](const Site& site) { return site.place != first->place; });
-    act(std::span<const Site>(first, last));
-    first = last;
-  }
-}
 
 // Removes alternate locations from `sites`, so that one conformation per sequence position remains.
 //
