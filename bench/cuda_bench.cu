@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "core/workspace.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/refine/device_refinement.cuh"

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/monitor.hpp"
 #include "cuda/backend.hpp"
 #include "support/xyzr.hpp"
 

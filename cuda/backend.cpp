@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/workspace.hpp"
 #include "cuda/count_part.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "extract/count_part.hpp"

@@ -3,6 +3,8 @@
 // downloaded, and mesh_on_device(), for which both are on the device.
 #include <utility>
 
+#include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_mesh.cuh"

@@ -17,7 +17,7 @@ constexpr std::size_t kLeft = 32, kRight = 68;  // columns on the screen
 
 // One entry of a list. If what is typed does not fit the left column, the meaning begins on the
 // next line.
-std::string entry(const std::string& typed, const std::string& meaning) {
+std::string list_entry(const std::string& typed, const std::string& meaning) {
   std::string text = typed + blanks(kLeft, typed);
   if (columns_of(typed) >= kLeft) text += '\n' + std::string(kLeft, ' ');
   std::istringstream words(meaning);
@@ -80,7 +80,7 @@ std::string verbs_help(const Program& program) {
       fmt::format("{}\n\nUsage: {} VERB [OPTION...]\n       {} VERB --help | --version\n\nVerbs:\n",
                   program.summary, program.usage_name, program.name);
   for (const Verb& verb : program.verbs) {
-    text += entry(fmt::format("  {}", verb.name), std::string(verb.summary));
+    text += list_entry(fmt::format("  {}", verb.name), std::string(verb.summary));
   }
   const auto is_report = [](const Verb& verb) { return verb.name == "report"; };
   if (std::ranges::any_of(program.verbs, is_report))
@@ -95,7 +95,7 @@ std::string verb_help(const Program& program, const Verb& verb,
   const std::size_t others = count_options(all) - count_options(groups);
   for (const OptionGroup& group : groups) {
     text += fmt::format("\n{}:\n", group.title);
-    for (const Option& option : group.options) text += entry(typed(option), meaning(option));
+    for (const Option& option : group.options) text += list_entry(typed(option), meaning(option));
   }
   if (others > 0) {
     text += fmt::format("\n{} {} --help-all lists {} more.\n", program.name, verb.name, others);

@@ -1,6 +1,7 @@
-// Tables of words, collected from the manuals of FreeSASA, MSMS, NanoShaper, PyMOL, MDAnalysis,
-// GROMACS and fpocket and from what their users ask. An advice is the whole command, so that it can
-// be copied.
+// What to type in place of an option or a verb that is unknown here, because other programs have
+// it. Two tables translate: their words are collected from the manuals of FreeSASA, MSMS,
+// NanoShaper, PyMOL, MDAnalysis, GROMACS and fpocket and from what their users ask. An advice is
+// the whole command, so that it can be copied.
 #include "command_line/other_words.hpp"
 
 #include <fmt/format.h>
@@ -13,9 +14,12 @@
 namespace vdwmesh::apps {
 namespace {
 
-// What is typed elsewhere, without dashes and with a dash between words, and what is typed here. {}
-// stands for the value; without it the value stays where it is. "" leaves the option out, "{}" its
-// value too, and `why` says that nothing is lost.
+// What is typed elsewhere (`there`), as bare() spells it, and what is typed here.
+//
+// Of an option, {} in `here` takes the option's value away from behind it: between quotes the value
+// is put in its place, elsewhere it is dropped. Without {} the value stays behind the option. So ""
+// leaves the option out and "{}" the option with its value; `why` then says that nothing is lost.
+// Of a verb, {} stands for the words behind it.
 struct OtherWord {
   std::string_view there, here, why = {};
 };
@@ -161,7 +165,8 @@ std::string in_shell(std::span<const std::string> words) {
   return text;
 }
 
-// "--Probe_Radius" and "probeRadius" are "probe-radius".
+// The spelling by which options are looked up: "--Probe_Radius" and "probeRadius" are
+// "probe-radius".
 std::string bare(std::string_view option) {
   std::string name;
   for (const char c : option.substr(std::min(option.find_first_not_of('-'), option.size()))) {
@@ -171,7 +176,7 @@ std::string bare(std::string_view option) {
   return lower_case(name);
 }
 
-// The text with the value in place of {}, which stands between quotes where the value is shown.
+// The text with the value in place of {} if that stands between quotes; else {} alone is removed.
 std::string filled(std::string_view text, const std::string& value) {
   const std::size_t place = text.find("{}");
   if (place == text.npos) return std::string(text);
@@ -187,12 +192,12 @@ bool is_among(std::span<const std::string_view> known, std::string_view option) 
   return std::ranges::find(known, option == "-o" ? "--output" : option) != known.end();
 }
 
-// What to type in place of the option, if the verb has it; of an output by the extension of its
-// value. A known option behind a single dash gets its second one.
+// What to type in place of the option, if the verb knows it. The option of an output file is looked
+// up with the extension of that file, as "o.csv". A known option behind one dash gets two.
 std::optional<OtherWord> said_here(std::string_view option, std::string_view value,
                                    std::span<const std::string_view> known) {
   const std::string name = bare(option);
-  const bool is_output = name == "o" || name == "output";  // looked up as "o.csv"
+  const bool is_output = name == "o" || name == "output";
   const std::string there =
       is_output ? fmt::format("o{}", value.substr(std::min(value.rfind('.'), value.size()))) : name;
   const auto entry = std::ranges::find(kOptions, there, &OtherWord::there);
@@ -241,6 +246,7 @@ std::string advice_on_verb(std::string_view program, const std::vector<std::stri
   const auto entry = std::ranges::find(kVerbs, bare(unknown), &OtherWord::there);
   if (entry == std::end(kVerbs)) return "";
   const std::size_t place = entry->here.find(" {}");
+  // Without a structure, a sample makes the advice a command that runs.
   const std::string given = words.empty() ? "--sample ubiquitin" : in_shell(words);
   return fmt::format("; type: {} {} {}{}", program, entry->here.substr(0, place), given,
                      entry->here.substr(place + 3));

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "core/errors.hpp"
 #include "report/describe.hpp"
 #include "report/report.hpp"
 

@@ -15,12 +15,31 @@
 #include "cuda/backend.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "measures/union_gradients.hpp"
+#include "report/atom_names.hpp"
+#include "report/csv.hpp"
 #include "report/output.hpp"
 #include "report/per_atom.hpp"
-#include "report/void_table.hpp"
 
 namespace vdwmesh::apps {
 namespace {
+
+// The voids as CSV: a row for each, by falling volume; Å, Å², Å³. The lining atoms stand in one
+// field, separated by spaces, as chain/residue number/atom name, and as index (from 1) where the
+// file has no names.
+std::string void_table_csv(const Molecule& molecule, const std::vector<Void>& voids) {
+  std::string csv = "void,volume,area,center_x,center_y,center_z,clearance,lining_atoms,lining\n";
+  for (std::size_t i = 0; i < voids.size(); ++i) {
+    const Void& v = voids[i];
+    std::string lining;
+    for (const SphereId id : v.lining) {
+      if (!lining.empty()) lining += ' ';
+      lining += name_of_atom(molecule, id);
+    }
+    csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", i + 1, v.volume, v.area, v.center.x,
+                       v.center.y, v.center.z, v.clearance, v.lining.size(), csv_field(lining));
+  }
+  return csv;
+}
 
 // Components that fell between the grid nodes would otherwise be lost without a word. Of a mesh
 // inside out, of which another warning speaks, all components count as voids. Blended fields join

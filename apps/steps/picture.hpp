@@ -3,7 +3,6 @@
 
 #include <functional>
 
-#include "core/monitor.hpp"
 #include "spheres/sphere_set.hpp"
 #include "steps/picture_options.hpp"
 #include "steps/session.hpp"

@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "study/study.hpp"
+#include "analysis/study.hpp"
+#include "cuda/backend_choice.hpp"
+#include "study/study_options.hpp"
 
 namespace vdwmesh::apps {
 

@@ -1,7 +1,7 @@
-// Keeps runs and finds them again. A run stands in a file named by the hash of its key; two keys of
-// one hash are told apart by the key in the file. Reading goes by the description of what was
-// written: every member must be there, and whatever is damaged, cut off or of another version makes
-// the file none, so that the run is made anew.
+// Keeps the runs of a study and finds them again. A run stands in a file that is named by the hash
+// of its key; the file holds the key as well, which tells two keys of one hash apart. The functions
+// describe() that wrote a run also read it (JsonReader), so every member must be there. A file that
+// is damaged, cut off or of another version is as if it was not there: the run is made anew.
 #include "study/records.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +23,9 @@ namespace vdwmesh::apps {
 
 using Json = nlohmann::ordered_json;
 
-// A visitor that fills the members it is shown.
+// A visitor for describe(), which shows it every member with its key: it fills the member with the
+// value that stands in the JSON under that key. It throws Json::exception or InvalidInput where
+// there is none that fits.
 class JsonReader {
  public:
   explicit JsonReader(const Json& in) : in_(in) {}
@@ -39,7 +41,7 @@ class JsonReader {
       value = value_named<T>("record", json.get_ref<const std::string&>());
     } else if constexpr (std::is_floating_point_v<T>) {
       value = json.is_null() ? std::numeric_limits<T>::quiet_NaN() : json.get<T>();
-    } else if constexpr (std::is_class_v<T> && !std::constructible_from<Json, T>) {
+    } else if constexpr (std::is_class_v<T> && !std::constructible_from<Json, T>) {  // has members
       JsonReader inner(json);
       describe(inner, value);
     } else {
@@ -83,6 +85,7 @@ std::string hash_text(std::string_view bytes) { return fmt::format("{:016x}", fn
 StudyStore::StudyStore(const fs::path& folder) : folder_(folder / "runs") {
   make_folder(folder);
   make_folder(folder_);
+  // Before hours of work: "run.json" stands for the files of all runs.
   check_writable("-o", folder / "study.json");
   check_writable("-o", folder_ / "run.json");
 }

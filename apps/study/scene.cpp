@@ -18,10 +18,11 @@
 #include "memory_plan.hpp"
 #include "mesh/element_color.hpp"
 #include "report/json_text.hpp"
+#include "spheres/box.hpp"
+#include "steps/exact_steps.hpp"
 #include "steps/picture.hpp"
 #include "study/describe_study.hpp"
 #include "study/make_run.hpp"
-#include "surface/box.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -41,12 +42,6 @@ void append_planes(const std::vector<T>& values, std::string& bytes) {
       last = value;
     }
   }
-}
-
-Box box_of(const IndexedMesh& mesh) {
-  Box box = empty_box();
-  for (const Vec3d& p : mesh.positions) include(box, p);
-  return box;
 }
 
 // Sixteen bits of the box are finer than a pixel of the page.
@@ -120,7 +115,7 @@ StudyScene make_scene(const Study& study, std::size_t input, const StudySetting&
   session.machine.backend = value_named<Backend>("backend", setting.key.backend);
   session.report.excluded = of.excluded;
   const IndexedMesh mesh = mesh_anew(of, surface_options(setting, study.options.surface), session);
-  const Box box = box_of(mesh);
+  const Box box = box_around(mesh.positions);
   // Vertices lie on the surface; what is wrong is what the triangles between them cut off.
   const std::vector<float> distances = measure_centers(mesh, of.atoms, session);
   const double range = distance_range(distances);

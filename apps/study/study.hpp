@@ -9,7 +9,6 @@
 #include "analysis/study.hpp"
 #include "report/json_text.hpp"
 #include "report/report.hpp"
-#include "steps/exact_steps.hpp"
 #include "steps/steps.hpp"
 #include "study/study_options.hpp"
 

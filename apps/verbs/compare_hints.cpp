@@ -10,7 +10,7 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "mesh/connect/weld.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -25,8 +25,8 @@ constexpr double kAside = 0.25;
 // times.
 constexpr double kOtherVolume = 1.15;
 
-// The box of the triangles. Vertices that no triangle names are no part of the surface.
-Box box_of(const IndexedMesh& mesh) {
+// Vertices that no triangle names are no part of the surface.
+Box box_of_triangles(const IndexedMesh& mesh) {
   Box box = empty_box();
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle) include(box, mesh.positions[v]);
@@ -70,7 +70,7 @@ bool weld_if_that_closes(MeshFile& file, std::uint64_t memory_limit, Report& rep
 
 // Sizes are compared first, because a mesh in other units lies elsewhere as well.
 bool warn_of_place(const IndexedMesh& mesh, const SphereSet& spheres, Report& report) {
-  const Box ours = bounding_box(spheres), theirs = box_of(mesh);
+  const Box ours = bounding_box(spheres), theirs = box_of_triangles(mesh);
   const double size = norm(ours.upper - ours.lower);
   const double ratio = norm(theirs.upper - theirs.lower) / size;
   if (ratio < kSmall || ratio > kLarge) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/excluded/device_executor.cuh"
 #include "cuda/measure/device_measures.cuh"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/extract/batch_on_device.cuh"
 #include "cuda/extract/bricks/brick_mesher.cuh"

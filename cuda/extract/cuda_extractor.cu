@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "cuda/count_part.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/extract/bricks/brick_mesher.cuh"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/monitor.hpp"
 #include "cuda/measure/device_measures.cuh"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_result.cuh"

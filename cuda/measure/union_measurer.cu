@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/measure/batch_cells.cuh"
 #include "cuda/measure/device_measures.cuh"

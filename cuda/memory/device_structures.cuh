@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "core/errors.hpp"
 #include "cuda/memory/device_memory.cuh"
 #include "extract/bricks/brick_numbering.hpp"
 #include "extract/extractor.hpp"

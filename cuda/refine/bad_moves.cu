@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/monitor.hpp"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/refine/bad_moves.cuh"
 #include "cuda/refine/device_crossings.cuh"

@@ -3,6 +3,8 @@
 // (refine_on_device()), and downloads the result.
 #include <utility>
 
+#include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/refine/device_refinement.cuh"

@@ -8,6 +8,7 @@
 #include <bit>
 #include <utility>
 
+#include "core/monitor.hpp"
 #include "cuda/refine/device_crossings.cuh"
 #include "cuda/refine/device_refinement.cuh"
 #include "cuda/refine/half_edges.cuh"

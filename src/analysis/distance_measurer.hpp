@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "analysis/distances.hpp"
-#include "core/monitor.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // What was measured, and why the CPU measured what was meant for a device; empty if it did not.
 template <class Result>

@@ -11,11 +11,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "spheres/sphere_set.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 struct DistanceOptions {
   // Samples per Å², > 0. The density on the mesh is raised if the mesh would have fewer than 10^4

@@ -11,7 +11,7 @@
 #include "analysis/survey/quality_parts.hpp"
 #include "analysis/survey/shell_sums.hpp"
 #include "core/blocks.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

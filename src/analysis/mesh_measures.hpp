@@ -12,11 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "extract/grid.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // The distribution of n values. p01 and p99 are the 1st and 99th percentile: the values of rank
 // ceil(n / 100) and ceil(99 n / 100), counted from 1. All members are NaN if there are no values.

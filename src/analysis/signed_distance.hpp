@@ -4,10 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Returns the distance of each point to the boundary of the union, Å: positive outside the union,
 // negative inside. The distance is to the nearest exposed point, exact up to rounding

@@ -21,8 +21,6 @@
 
 namespace vdwmesh {
 
-enum class Mesher : std::uint8_t { marching_cubes, exact };
-
 // How a mesh was made, without its resolution.
 struct StudyKey {
   Mesher mesher = Mesher::marching_cubes;

@@ -19,6 +19,7 @@
 #include "batch/ordered_rows.hpp"
 #include "core/errors.hpp"
 #include "core/fnv.hpp"
+#include "core/workspace.hpp"
 
 namespace vdwmesh {
 namespace {

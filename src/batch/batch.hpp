@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "batch/structure_source.hpp"
-#include "core/monitor.hpp"
 #include "measures/exact_union.hpp"
 #include "structure/molecule.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 struct BatchOptions {
   ReadOptions read;

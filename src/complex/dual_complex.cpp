@@ -142,16 +142,11 @@ class ComplexBuilder {
     const Sign size = size_sign(p, q, r);
     if (size == Sign::positive) return false;
     const std::uint32_t n = t_.neighbors[c][k];
-    for (const std::uint32_t apex : {cell[k], opposite(n, c)}) {
+    for (const std::uint32_t apex : {cell[k], t_.apex(n, c)}) {
       if (t_.is_ball(apex) && side_sign(p, q, r, ball(apex)) == Sign::negative) return false;
     }
     if (size == Sign::negative) mark_strict(cell, k);
     return true;
-  }
-
-  // The vertex of cell n that is not on its facet to cell c.
-  std::uint32_t opposite(std::uint32_t n, std::uint32_t c) const {
-    return t_.cells[n][slot_of(t_.neighbors[n], c)];
   }
 
   // Looks at every facet once, from the cell with the lower number, and lists its triangle if that
@@ -211,7 +206,7 @@ class ComplexBuilder {
     const auto [c, k] = facet;
     const std::uint32_t n = t_.neighbors[c][k];
     out_.cell_triangles[c][k] = number;
-    out_.cell_triangles[n][slot_of(t_.neighbors[n], c)] = number;
+    out_.cell_triangles[n][t_.slot_of_neighbor(n, c)] = number;
     DualTriangle triangle{};
     const auto [vertices, odd] = sorted_vertices(facet);
     triangle.vertices = vertices;

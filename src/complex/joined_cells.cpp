@@ -33,7 +33,7 @@
 #include "complex/power_triangulation.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -12,7 +12,8 @@
 #include "core/buffer.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
+#include "spheres/spatial_frame.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -47,23 +48,10 @@ void check_not_empty(const SphereSet& spheres) {
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
 }
 
-// The exponent for which 2^-exponent times the largest radius is in [1/2, 1).
-int scale_exponent(const SphereSet& spheres) {
-  double largest = 0;
-  for (const Sphere& s : spheres.spheres()) largest = std::max(largest, s.radius);
-  return std::ilogb(largest) + 1;
-}
-
 Sphere scaled(const Sphere& s, int exponent) {
   return {{std::ldexp(s.center.x, -exponent), std::ldexp(s.center.y, -exponent),
            std::ldexp(s.center.z, -exponent)},
           std::ldexp(s.radius, -exponent)};
-}
-
-Box box_of_balls(const std::vector<Sphere>& balls) {
-  Box box = empty_box();
-  for (const Sphere& b : balls) include(box, box_of(b));
-  return box;
 }
 
 // A length that no side of the box exceeds. It is at least 2^-40 of every coordinate, so that
@@ -89,7 +77,7 @@ double reach_of(const Box& box) {
 // sum is at most 15 reach, and the far facet is where the sum is 32 reach. So every ball is far
 // inside.
 std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
-  const Box box = box_of_balls(balls);
+  const Box box = box_around(balls);
   const double reach = reach_of(box);
   const Vec3d corner = box.lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
   std::array<Vec3d, 4> points{corner, corner, corner, corner};
@@ -97,25 +85,26 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   return points;
 }
 
-BallFrame ball_frame(const SphereSet& spheres) {
+int scale_exponent(const SphereSet& spheres) {
   check_not_empty(spheres);
-  return {spatial_frame(spheres), scale_exponent(spheres)};
+  return std::ilogb(std::ranges::max(spheres.spheres(), {}, &Sphere::radius).radius) + 1;
 }
 
 PlacedBalls placed_balls(const SphereSet& spheres) {
-  return placed_balls(spheres, ball_frame(spheres));
+  const int exponent = scale_exponent(spheres);
+  return placed_balls(spheres, spatial_frame(spheres), exponent);
 }
 
-PlacedBalls placed_balls(const SphereSet& spheres, const BallFrame& frame) {
+PlacedBalls placed_balls(const SphereSet& spheres, const SpatialFrame& frame, int exponent) {
   check_not_empty(spheres);
   PlacedBalls out;
-  out.ids = placed_ids(spheres, frame.order);
-  out.scale_exponent = frame.scale_exponent;
+  out.ids = placed_ids(spheres, frame);
+  out.scale_exponent = exponent;
   out.balls.resize(out.ids.size());
   for_each_index(out.ids.size(), [&](std::size_t i) {
     out.balls[i] = scaled(spheres[out.ids[i]], out.scale_exponent);
   });
-  reach_of(box_of_balls(out.balls));  // throws
+  reach_of(box_around(out.balls));  // throws
   return out;
 }
 

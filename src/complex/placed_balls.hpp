@@ -5,12 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "spheres/spatial_frame.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 
-inline constexpr std::uint32_t kNoIndex = 0xffffffffu;  // in place of an index: there is none
+struct SpatialFrame;
 
 // The balls of a SphereSet with distinct centres: of concentric balls only the largest, of equal
 // balls only the one with the lowest id.
@@ -24,20 +23,15 @@ struct PlacedBalls {
   int scale_exponent = 0;
 };
 
-// What the balls of a set have in common: their order and their scale.
-struct BallFrame {
-  SpatialFrame order;
-  int scale_exponent = 0;
-};
-
-// Throws InvalidInput for an empty set.
-BallFrame ball_frame(const SphereSet& spheres);
+// The exponent for which 2^-exponent times the largest radius is in [1/2, 1). Throws InvalidInput
+// for an empty set.
+int scale_exponent(const SphereSet& spheres);
 
 // The result depends on the spheres alone, and not on their order, except for their ids. With the
-// frame of a larger set, the balls have the order and the scale that they have there.
-// Throws InvalidInput for an empty set or if the extent of the spheres overflows a double.
+// frame and the exponent of a larger set, the balls have the order and the scale that they have
+// there. Throws InvalidInput for an empty set or if the extent of the spheres overflows a double.
 PlacedBalls placed_balls(const SphereSet& spheres);
-PlacedBalls placed_balls(const SphereSet& spheres, const BallFrame& frame);
+PlacedBalls placed_balls(const SphereSet& spheres, const SpatialFrame& frame, int exponent);
 
 // The corners of a tetrahedron around all balls, far outside of each of them. Throws InvalidInput
 // if their coordinates would not be finite.

@@ -12,10 +12,20 @@
 
 #include "complex/placed_balls.hpp"
 #include "core/buffer.hpp"
-#include "core/monitor.hpp"
-#include "surface/indexed_mesh.hpp"
+#include "core/errors.hpp"
+#include "core/no_index.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
+
+// The slot, 0 to 3, of a value that is there: of a vertex among the vertices of a cell, or of a
+// cell among its neighbours. Without branches.
+inline std::uint32_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t value) {
+  return static_cast<std::uint32_t>(four[1] == value) +
+         2 * static_cast<std::uint32_t>(four[2] == value) +
+         3 * static_cast<std::uint32_t>(four[3] == value);
+}
 
 struct PowerTriangulation : PlacedBalls {
   // For each cell its vertices, positively oriented and otherwise ascending, and for each vertex
@@ -25,6 +35,14 @@ struct PowerTriangulation : PlacedBalls {
   Buffer<std::array<std::uint32_t, 4>> cells, neighbors;
 
   bool is_ball(std::uint32_t vertex) const { return vertex < balls.size(); }
+  // The slot of a neighbour of cell c: neighbors[c][slot] == neighbor.
+  std::size_t slot_of_neighbor(std::uint32_t c, std::uint32_t neighbor) const {
+    return slot_of(neighbors[c], neighbor);
+  }
+  // The vertex of cell c that is not on its facet to a neighbour.
+  std::uint32_t apex(std::uint32_t c, std::uint32_t neighbor) const {
+    return cells[c][slot_of_neighbor(c, neighbor)];
+  }
 };
 
 // The vertices of the facet opposite to vertex k of a cell, counter-clockwise seen from vertex k.

@@ -36,6 +36,7 @@
 #include "core/errors.hpp"
 #include "core/lanes/lanes.hpp"
 #include "core/lanes/multiversion.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "core/buffer.hpp"
-#include "core/monitor.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // The vertices of a cell, as indices of balls, in canonical order: ascending, but for the last two,
 // which are exchanged if the cell is positively oriented only then. So the lowest vertex is the
@@ -38,14 +39,6 @@ bool sort_is_odd(std::array<std::uint32_t, N>& vertices) {
 inline CellVertices canonical(CellVertices vertices) {
   if (sort_is_odd(vertices)) std::swap(vertices[2], vertices[3]);
   return vertices;
-}
-
-// The slot, 0 to 3, of a value that is there: of a vertex among the vertices of a cell, or of a
-// cell among its neighbours. Without branches.
-inline std::uint32_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t value) {
-  return static_cast<std::uint32_t>(four[1] == value) +
-         2 * static_cast<std::uint32_t>(four[2] == value) +
-         3 * static_cast<std::uint32_t>(four[3] == value);
 }
 
 struct RegularCells {

@@ -6,6 +6,8 @@
 // commands to a terminal.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -50,6 +52,9 @@ class CudaError : public Error {
 class LimitExceeded : public Error {
   using Error::Error;
 };
+
+// A memory limit, in bytes, that no run can exceed.
+inline constexpr std::uint64_t kNoMemoryLimit = std::numeric_limits<std::uint64_t>::max();
 
 // The run needs more memory than the CUDA device has. The same run may still fit the host's memory.
 class DeviceMemoryExceeded : public LimitExceeded {

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/joined_arrays.hpp"
 #include "core/monitor.hpp"
 
 namespace vdwmesh {
@@ -111,6 +110,26 @@ void make_and_add(std::size_t count, const Make& make, const Add& add) {
       for (std::size_t i = range.begin(); i != range.end(); ++i) items[i - first] = make(i);
     });
     for (std::size_t i = first; i < end; ++i) add(i, items[i - first]);
+  }
+}
+
+// The arrays one behind the other.
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& arrays) {
+  std::vector<T> all;
+  std::size_t size = 0;
+  for (const std::vector<T>& array : arrays) size += array.size();
+  all.reserve(size);
+  for (const std::vector<T>& array : arrays) all.insert(all.end(), array.begin(), array.end());
+  return all;
+}
+
+// Appends each array of `part` to the array of `total` with the same index: for join_blocks(),
+// where blocks divide what they find among receivers.
+template <class T>
+void append_to_each(std::vector<std::vector<T>>& total, const std::vector<std::vector<T>>& part) {
+  for (std::size_t i = 0; i < total.size(); ++i) {
+    total[i].insert(total[i].end(), part[i].begin(), part[i].end());
   }
 }
 

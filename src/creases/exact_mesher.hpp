@@ -25,10 +25,12 @@
 #include <span>
 #include <string>
 
-#include "core/monitor.hpp"
+#include "core/errors.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Which patches a CUDA device gets, if there is one. `balanced` is the quickest: of few patches
 // none, of some thousand as many as it meshes while the host's cores mesh the others, of more all.

@@ -4,7 +4,6 @@
 
 #include "creases/arcs/arrangement.hpp"
 #include "creases/arcs/boundary_arcs.hpp"
-#include "creases/arcs/split_limits.hpp"
 #include "creases/exact_mesher.hpp"
 #include "creases/share/mesh_borders.hpp"
 #include "creases/share/mesh_team.hpp"

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include "core/errors.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "surface/indexed_mesh.hpp"
 

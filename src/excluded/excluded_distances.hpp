@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "analysis/distances.hpp"
-#include "core/monitor.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Returns the distance of each point to the surface, Å: positive where a probe reaches, negative
 // inside the excluded solid. Throws InvalidInput if there are no atoms, if the probe (Å) is not

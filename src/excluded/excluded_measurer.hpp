@@ -12,11 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "measures/union_measurer.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // The complete surface of one set.
 struct ExcludedTotals {

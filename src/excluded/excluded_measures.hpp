@@ -27,11 +27,12 @@
 #include <string>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "excluded/excluded_gradients.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 inline constexpr double kWaterProbe = 1.4;  // Å: the usual radius of a water molecule
 

@@ -12,11 +12,13 @@
 
 #include <cstdint>
 
-#include "core/monitor.hpp"
+#include "core/errors.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "surface/surface_patch.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 struct ExcludedMeshOptions {
   double probe = kWaterProbe;  // Å, above 0: radius of the probe

@@ -23,14 +23,13 @@
 #include <vector>
 
 #include "core/fixed_blocks.hpp"
-#include "core/joined_arrays.hpp"
 #include "core/lanes/multiversion.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/blended/field_sample.hpp"
 #include "extract/field_list.hpp"
+#include "spheres/box.hpp"
 #include "spheres/cell_list.hpp"
 #include "spheres/even_directions.hpp"
-#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -15,6 +15,7 @@
 #include <cmath>
 
 #include "core/lanes/multiversion.hpp"
+#include "core/monitor.hpp"
 #include "extract/blended/block_bounds.hpp"
 
 namespace vdwmesh {

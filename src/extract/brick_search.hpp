@@ -5,12 +5,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/monitor.hpp"
-#include "extract/extractor.hpp"
 #include "extract/field.hpp"
 #include "spheres/cell_list.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Keys (brick_key) of the bricks in the range that may hold surface, in rising order: all that do,
 // and some that the bounds on the field do not rule out. Throws LimitExceeded if a level of the

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/lanes/multiversion.hpp"
+#include "core/workspace.hpp"
 #include "extract/blended/blended_brick.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/bricks/brick_mesher.hpp"

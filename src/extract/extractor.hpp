@@ -5,14 +5,16 @@
 #include <memory>
 #include <string>
 
-#include "core/monitor.hpp"
-#include "core/workspace.hpp"
+#include "core/errors.hpp"
 #include "extract/field.hpp"
 #include "extract/grid.hpp"
 #include "spheres/sphere_set.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
+class Workspace;
 
 struct ExtractOptions {
   FieldOptions field;

@@ -3,6 +3,7 @@
 #include "extract/field_list.hpp"
 
 #include "core/fixed_blocks.hpp"
+#include "core/workspace.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "spheres/kept_cell_lists.hpp"
 

@@ -3,11 +3,12 @@
 #pragma once
 
 #include "core/buffer.hpp"
-#include "core/workspace.hpp"
 #include "extract/field.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
+
+class Workspace;
 
 // The reach of each sphere, Å: field_reach().
 Buffer<double> field_reaches(const SphereSet& spheres, const FieldModel& model);

@@ -3,6 +3,7 @@
 #include "extract/sampled_field.hpp"
 
 #include "core/lanes/multiversion.hpp"
+#include "core/workspace.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 #include "extract/bricks/brick_mesher.hpp"
 #include "extract/limits.hpp"

@@ -22,14 +22,16 @@
 #include "complex/dual_complex.hpp"
 #include "complex/power_triangulation.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "measures/arcs/arcs.hpp"
 #include "measures/certificate/certify.hpp"
 #include "measures/measures.hpp"
 #include "measures/reference_measures.hpp"
 #include "measures/topology.hpp"
 #include "measures/total_measures.hpp"
+#include "spheres/box.hpp"
 #include "spheres/kept_cell_lists.hpp"
-#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -122,7 +124,7 @@ Box box_of_measured(const SphereSet& spheres, const MeasuredSpheres& measured) {
   constexpr double kSlack = 1e-12;  // relative; two roundings of 2^-53 are 2.2e-16
   Box box = empty_box();
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    if (measured.contains(static_cast<SphereId>(i))) include(box, box_of(spheres[i]));
+    if (measured.contains(static_cast<SphereId>(i))) include(box, spheres[i]);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const double slack = kSlack * std::max(std::abs(box.lower[axis]), std::abs(box.upper[axis]));

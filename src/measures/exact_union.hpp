@@ -19,12 +19,13 @@
 #include <span>
 #include <vector>
 
-#include "core/monitor.hpp"
-#include "core/workspace.hpp"
+#include "core/errors.hpp"
 #include "spheres/sphere_set.hpp"
-#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
+class Workspace;
 
 // automatic: cgal if the full topology is wanted, else arcs, which are faster.
 // cgal: the regular triangulation and the dual complex; all of ExactUnion.

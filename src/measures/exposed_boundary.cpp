@@ -1,8 +1,9 @@
-// exposed_boundary(): the corners and arcs of a dual complex, which are in the order of their
-// balls.
+// exposed_boundary(): numbers the corners and arcs of a dual complex. The triangles and edges of
+// the complex stand in the order of their balls, so the corners and arcs do as well.
 //
-// 1. The exposed sides of the triangles are the corners.
-// 2. The arcs, by exposed_arcs(), get their numbers for their ends.
+// 1. Each exposed side of a triangle is a corner. Side s of triangle f has the CornerIndex 2 f + s;
+//    the exposed ones are numbered without gaps.
+// 2. exposed_arcs() names the ends of arcs by CornerIndex. They get these numbers.
 // 3. Each edge of the complex makes its two balls neighbours.
 #include "measures/exposed_boundary.hpp"
 

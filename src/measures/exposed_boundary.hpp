@@ -4,12 +4,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "complex/placed_balls.hpp"
 #include "core/buffer.hpp"
+#include "core/no_index.hpp"
 
 namespace vdwmesh {
 

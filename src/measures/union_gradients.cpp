@@ -10,6 +10,7 @@
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/workspace.hpp"
 #include "measures/arcs/arcs.hpp"
 #include "measures/arcs/ball_gradient.hpp"
 #include "measures/complex_faces.hpp"

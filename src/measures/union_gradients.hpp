@@ -19,13 +19,14 @@
 #include <span>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "core/vec3.hpp"
-#include "core/workspace.hpp"
 #include "measures/exact_union.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
+class Workspace;
 
 // Derivatives by one ball: eight doubles without gaps.
 struct BallGradient {

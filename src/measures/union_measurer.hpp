@@ -11,12 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "measures/exact_union.hpp"
 #include "measures/union_gradients.hpp"
 #include "spheres/sphere_batch.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 struct BatchMeasures {
   std::vector<SphereMeasures> per_sphere;  // in the order of the batch, Å² and Å³

@@ -11,12 +11,14 @@
 #include <string_view>
 #include <vector>
 
-#include "core/monitor.hpp"
+#include "core/errors.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "surface/surface_patch.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 enum class MeshFormat { ply, obj, off, stl, glb, msh, vtp };
 

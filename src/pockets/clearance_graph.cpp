@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "complex/dual_complex.hpp"
-#include "complex/regular_cells.hpp"
 #include "complex/simplex_shape.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
@@ -128,11 +127,9 @@ class ClearanceGraphFinder {
 
   GrownBalls level_at(double clearance) const {
     advance(monitor_, 0);
-    std::vector<Sphere> grown = balls();
-    for (Sphere& b : grown) b.radius += clearance;
     GrownBalls level{
         .clearance = clearance,
-        .t = triangulate(SphereSet(std::move(grown)), monitor_, std::nullopt, memory_limit_),
+        .t = triangulate(grown(balls(), clearance), monitor_, std::nullopt, memory_limit_),
         .scale = 0,
         .flow = {},
         .component = {}};
@@ -240,16 +237,12 @@ class ClearanceGraphFinder {
     const double least = std::min(
         {weight(a.center, b.center), weight(b.center, d.center), weight(d.center, a.center)});
     if (!(area > 0) || least < kOnEdge * area) return;
-    for (const std::uint32_t opposite : {t.cells[c][k], apex(t, c, n)}) {
+    for (const std::uint32_t opposite : {t.cells[c][k], n == kNoIndex ? n : t.apex(n, c)}) {
       if (opposite == kNoIndex || !t.is_ball(opposite)) continue;
       const Sphere& s = balls()[t.ids[opposite]];
       if (norm(at->place - s.center) - s.radius < at->clearance - kSameGap * largest_) return;
     }
     found.push_back({*at, face, 1 / std::sqrt(area) * normal, {kNoIndex, kNoIndex}});
-  }
-
-  static std::uint32_t apex(const PowerTriangulation& t, std::uint32_t c, std::uint32_t n) {
-    return n == kNoIndex ? kNoIndex : t.cells[n][slot_of(t.neighbors[n], c)];
   }
 
   // Where the clearance rises to on both sides; fewer than two if there is no pass.

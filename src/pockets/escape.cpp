@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "complex/power_predicates.hpp"
-#include "complex/regular_cells.hpp"
 #include "core/fixed_blocks.hpp"
 #include "pockets/pocket_flow.hpp"
 
@@ -40,7 +39,7 @@ std::pair<double, bool> passage(const PowerTriangulation& t, std::uint32_t c, st
   if (side_sign(p, q, r, t.balls[v[k]]) == Sign::negative) return {cell_alpha(t, c), false};
   const std::uint32_t n = t.neighbors[c][k];
   if (is_finite_cell(t, n)) {
-    const std::uint32_t d = t.cells[n][slot_of(t.neighbors[n], c)];
+    const std::uint32_t d = t.apex(n, c);
     if (side_sign(p, q, r, t.balls[d]) == Sign::negative) return {cell_alpha(t, n), false};
   }
   return {face_alpha(t, c, k), true};
@@ -103,7 +102,7 @@ class EscapeFinder {
       const auto next = std::ranges::find(searches_, false, &Search::is_done);
       if (next == searches_.end()) break;
       advance(monitor_, 0);
-      look_at(grown(next->guess), next->guess);
+      look_at(triangulate(grown(t_.balls, next->guess), monitor_), next->guess);
     }
     std::vector<std::optional<double>> out;
     for (const Search& s : searches_) {
@@ -122,12 +121,6 @@ class EscapeFinder {
     bool is_done = false;
     int rounds = 0;
   };
-
-  PowerTriangulation grown(double level) const {
-    std::vector<Sphere> balls = t_.balls;
-    for (Sphere& b : balls) b.radius += level;
-    return triangulate(SphereSet(std::move(balls)), monitor_);
-  }
 
   // Narrows all searches between whose bounds the level lies.
   void look_at(const PowerTriangulation& t, double level) {

@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "complex/power_triangulation.hpp"
-#include "core/monitor.hpp"
 #include "pockets/clearance.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Where a walk to a point begins: in a cell at infinity it would end at once. Cell 0 if all are.
 std::uint32_t first_finite_cell(const PowerTriangulation& triangulation);

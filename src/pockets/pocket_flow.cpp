@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "complex/power_predicates.hpp"
-#include "complex/regular_cells.hpp"
 #include "complex/simplex_shape.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
@@ -76,7 +75,7 @@ class FlowFinder {
   bool is_cell_tie(std::uint32_t c, std::size_t k) const {
     const std::uint32_t n = t_.neighbors[c][k];
     if (n < c || !is_finite_cell(t_, n)) return false;
-    const std::uint32_t d = t_.cells[n][slot_of(t_.neighbors[n], c)];
+    const std::uint32_t d = t_.apex(n, c);
     const auto& v = t_.cells[c];
     return power_side(ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3]), ball(d)) == Sign::zero;
   }
@@ -99,7 +98,7 @@ class FlowFinder {
       steps.add(1);
       for (const std::uint32_t n : t_.neighbors[c]) {
         if (n == kNoIndex || out_.pocket[n] != kInPocket) continue;
-        if (!(out_.obtuse[n] >> slot_of(t_.neighbors[n], c) & 1)) continue;
+        if (!(out_.obtuse[n] >> t_.slot_of_neighbor(n, c) & 1)) continue;
         out_.pocket[n] = kNoIndex;
         queue.push_back(n);
       }
@@ -174,7 +173,7 @@ WidestWays::WidestWays(const PowerTriangulation& t, const std::vector<std::uint8
   std::priority_queue<std::pair<double, std::uint32_t>> widest;
   // The size of the face between a cell and the neighbour n, in which it is opposite to vertex k.
   const auto face = [&](std::uint32_t from, std::uint32_t n, std::size_t k) {
-    const std::size_t back = slot_of(t.neighbors[from], n);
+    const std::size_t back = t.slot_of_neighbor(from, n);
     const bool near = obtuse[n] >> k & 1, far = obtuse[from] >> back & 1;
     if (!near && !far) return face_alpha(t, n, k);
     return near ? cell_alpha(t, n) : cell_alpha(t, from);
@@ -182,7 +181,7 @@ WidestWays::WidestWays(const PowerTriangulation& t, const std::vector<std::uint8
   const auto leave = [&](std::uint32_t c) {
     for (const std::uint32_t n : t.neighbors[c]) {
       if (n == kNoIndex || settled[n]) continue;
-      const double alpha = std::min(alpha_[c], face(c, n, slot_of(t.neighbors[n], c)));
+      const double alpha = std::min(alpha_[c], face(c, n, t.slot_of_neighbor(n, c)));
       if (alpha <= alpha_[n]) continue;
       alpha_[n] = alpha;
       widest.push({alpha, n});

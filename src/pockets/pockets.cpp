@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -120,7 +121,7 @@ class PocketMeasurer {
                                    .rim = m.exact.face_rim[k],
                                    .area_sum = m.sums.face_area[k],
                                    .rim_sum = m.sums.face_rim[k]});
-      parts.poked_faces += flow_.obtuse[n] >> slot_of_neighbor(n, c) & 1;
+      parts.poked_faces += flow_.obtuse[n] >> t_.slot_of_neighbor(n, c) & 1;
     }
   }
 
@@ -132,11 +133,6 @@ class PocketMeasurer {
       nearest = std::min(nearest, norm(center - ball(v).center) - ball(v).radius);
     }
     return {unscaled(center), unscaled(nearest, 1)};
-  }
-
-  std::size_t slot_of_neighbor(std::uint32_t of, std::uint32_t neighbor) const {
-    const auto& n = t_.neighbors[of];
-    return static_cast<std::size_t>(std::find(n.begin(), n.end(), neighbor) - n.begin());
   }
 
   // Of sinks of one size, the lowest cell stays the deepest.

@@ -19,11 +19,12 @@
 #include <string_view>
 #include <vector>
 
-#include "core/monitor.hpp"
+#include "core/errors.hpp"
 #include "spheres/sphere_set.hpp"
-#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 enum class PocketKind {
   enclosed,  // a void: no way out

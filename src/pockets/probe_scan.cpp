@@ -21,12 +21,6 @@
 namespace vdwmesh {
 namespace {
 
-SphereSet grown(const SphereSet& atoms, double by) {
-  std::vector<Sphere> balls(atoms.spheres().begin(), atoms.spheres().end());
-  for (Sphere& b : balls) b.radius += by;
-  return SphereSet(std::move(balls));
-}
-
 // Converts a graph's scaled places and clearances to Å. Its balls are grown by `lowest`, which is
 // added to a clearance to get the radius of the probe.
 class GraphScale {
@@ -110,7 +104,7 @@ ProbeScan probe_scan(const SphereSet& atoms, double lowest, double highest, Moni
                      std::uint64_t memory_limit) {
   check_range(atoms, lowest, highest);
   const ClearanceGraph graph =
-      clearance_graph(grown(atoms, lowest), highest - lowest, {}, monitor, memory_limit);
+      clearance_graph(grown(atoms.spheres(), lowest), highest - lowest, {}, monitor, memory_limit);
   const GraphScale scale(graph, lowest);
   std::vector<ScanPlace> found(graph.nodes.size());  // by node; kOutsideNode, 0, is no place
   for (std::size_t i = 1; i < found.size(); ++i) {
@@ -274,8 +268,8 @@ WayOut way_out(const SphereSet& atoms, const Vec3d& from, double outside_probe, 
     const double lowest = std::min(bottleneck, outside_probe - kLeastRange) - kBelow;
     check_range(atoms, lowest, outside_probe);
     const std::vector<Vec3d> starts{from};
-    const ClearanceGraph graph = clearance_graph(grown(atoms, lowest), outside_probe - lowest,
-                                                 starts, monitor, memory_limit);
+    const ClearanceGraph graph = clearance_graph(
+        grown(atoms.spheres(), lowest), outside_probe - lowest, starts, monitor, memory_limit);
     const double scale = std::ldexp(1.0, graph.base.scale_exponent);
     const double ceiling = (outside_probe - lowest) / scale;
     const std::vector<TreeEdge> edges = edges_to_outside(graph, graph.start_nodes[0]);

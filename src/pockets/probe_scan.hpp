@@ -12,11 +12,12 @@
 #include <optional>
 #include <vector>
 
-#include "core/monitor.hpp"
+#include "core/errors.hpp"
 #include "spheres/sphere_set.hpp"
-#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Three balls that a probe touches in the plane of their centres when it just passes.
 struct ProbeGate {

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/blocks.hpp"
+#include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "refine/crossings/constraint_formulas.hpp"
 #include "refine/crossings/preparation.hpp"
 #include "refine/level.hpp"

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/monitor.hpp"
+#include "core/errors.hpp"
 #include "refine/refiner.hpp"
 #include "surface/surface_patch.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 struct PatchRefineOptions {
   int subdivisions = 0;

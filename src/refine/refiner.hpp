@@ -8,12 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "core/monitor.hpp"
-#include "extract/extractor.hpp"
+#include "core/errors.hpp"
 #include "extract/field.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
+class Workspace;
 
 // The surface that vertices are moved to: none, the isosurface F = T of a blended field (`field`),
 // or the boundary of the union of the balls (`vdw`).

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "analysis/crossings/facet_pair_exact.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh::remesh {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh::remesh {
 namespace {

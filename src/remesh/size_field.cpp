@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "remesh/cell_lists.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh::remesh {
 namespace {

@@ -25,9 +25,10 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "remesh/mesh_operations.hpp"
 #include "remesh/size_field.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/study.hpp"
-#include "extract/extractor.hpp"
 #include "refine/refiner.hpp"
 #include "request/measure_request.hpp"
 

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/study.hpp"
 #include "core/letters.hpp"
 #include "cuda/backend_choice.hpp"
 #include "extract/field.hpp"

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/fixed_blocks.hpp"
+#include "core/workspace.hpp"
 
 namespace vdwmesh {
 

@@ -6,10 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "core/workspace.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
+
+class Workspace;
 
 // Keeps the two cell lists that were requested last. A run needs no more: one of the balls and one
 // of the field. A request for a third list replaces the older of the two and reuses its memory.

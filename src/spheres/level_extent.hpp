@@ -10,6 +10,7 @@
 #include <span>
 
 #include "core/host_device.hpp"
+#include "spheres/box.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
@@ -27,25 +28,16 @@ VDWMESH_HD inline int level_of(double reach, double smallest) {
 // What the spheres of one level have in common.
 struct LevelExtent {
   std::size_t spheres = 0;
-  Box centers{};     // the smallest box around their centres, Å
-  double reach = 0;  // the largest, Å
+  Box centers = empty_box();  // around their centres, Å
+  double reach = 0;           // the largest, Å
 
   void add(const Vec3d& center, double sphere_reach) {
-    if (spheres == 0) centers = {center, center};
-    for (int axis = 0; axis < 3; ++axis) {
-      centers.lower[axis] = std::min(centers.lower[axis], center[axis]);
-      centers.upper[axis] = std::max(centers.upper[axis], center[axis]);
-    }
+    include(centers, center);
     reach = std::max(reach, sphere_reach);
     ++spheres;
   }
   void add(const LevelExtent& other) {
-    if (other.spheres == 0) return;
-    if (spheres == 0) centers = other.centers;
-    for (int axis = 0; axis < 3; ++axis) {
-      centers.lower[axis] = std::min(centers.lower[axis], other.centers.lower[axis]);
-      centers.upper[axis] = std::max(centers.upper[axis], other.centers.upper[axis]);
-    }
+    include(centers, other.centers);
     reach = std::max(reach, other.reach);
     spheres += other.spheres;
   }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 
 #include "core/order/hilbert.hpp"
 #include "core/vec3.hpp"
@@ -44,18 +43,11 @@ inline bool comes_before(std::uint64_t key_a, const Vec3d& a, std::uint64_t key_
 // numbers without meaning: in symmetric sets centres stand at halves and quarters of the box, where
 // rounding would choose the cell, and a translation of the set would change its order.
 inline SpatialFrame spatial_frame(const SphereSet& spheres) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3d lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
-  for (const Sphere& s : spheres.spheres()) {
-    for (int axis = 0; axis < 3; ++axis) {
-      lower[axis] = std::min(lower[axis], s.center[axis]);
-      upper[axis] = std::max(upper[axis], s.center[axis]);
-    }
-  }
+  const Box centers = center_bounding_box(spheres);
   constexpr double kBelow = 0.0871557, kSide = 1.2137049;
-  const Vec3d size = upper - lower;
+  const Vec3d size = centers.upper - centers.lower;
   const double extent = std::max({size.x, size.y, size.z});
-  return {lower - kBelow * extent * Vec3d{1, 1, 1}, kSide * extent};
+  return {centers.lower - kBelow * extent * Vec3d{1, 1, 1}, kSide * extent};
 }
 
 }  // namespace vdwmesh

@@ -20,6 +20,7 @@
 #include "core/buffer.hpp"
 #include "core/errors.hpp"
 #include "core/order/stable_groups.hpp"
+#include "spheres/box.hpp"
 #include "spheres/check_sphere.hpp"
 
 namespace vdwmesh {
@@ -29,24 +30,14 @@ namespace {
 template <class Reach>
 Box bounds(const SphereSet& spheres, Reach reach) {
   const auto box_of_block = [&](std::size_t first, std::size_t end) {
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+    Box box = empty_box();
     for (std::size_t i = first; i < end; ++i) {
-      const Sphere& s = spheres[i];
-      const double r = reach(s);
-      for (int axis = 0; axis < 3; ++axis) {
-        box.lower[axis] = std::min(box.lower[axis], s.center[axis] - r);
-        box.upper[axis] = std::max(box.upper[axis], s.center[axis] + r);
-      }
+      include(box, box_of({spheres[i].center, reach(spheres[i])}));
     }
     return box;
   };
-  return join_blocks(spheres.size(), box_of_block, [](Box& total, const Box& part) {
-    for (int axis = 0; axis < 3; ++axis) {
-      total.lower[axis] = std::min(total.lower[axis], part.lower[axis]);
-      total.upper[axis] = std::max(total.upper[axis], part.upper[axis]);
-    }
-  });
+  return join_blocks(spheres.size(), box_of_block,
+                     [](Box& total, const Box& part) { include(total, part); });
 }
 
 void check(std::span<const Sphere> spheres) {
@@ -207,6 +198,12 @@ void SphereSet::move_to(std::span<const Vec3d> centers) {
   }
   for (std::size_t i = 0; i < centers.size(); ++i) owned_[i].center = centers[i];
   revision_ = next_revision();
+}
+
+SphereSet grown(std::span<const Sphere> balls, double by) {
+  std::vector<Sphere> larger(balls.begin(), balls.end());
+  for (Sphere& b : larger) b.radius += by;
+  return SphereSet(std::move(larger));
 }
 
 Box bounding_box(const SphereSet& spheres) {

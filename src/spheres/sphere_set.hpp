@@ -76,6 +76,9 @@ class SphereSet {
   std::uint64_t revision_ = 0;
 };
 
+// The balls with `by` (Å) added to every radius. Throws InvalidInput as the constructor does.
+SphereSet grown(std::span<const Sphere> balls, double by);
+
 // The smallest box around the balls, and the smallest box around their centres. Precondition: the
 // set is not empty.
 Box bounding_box(const SphereSet& spheres);

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 
 #include "core/buffer.hpp"
 #include "core/vec3.hpp"
@@ -67,8 +66,9 @@ enum class Connectivity : std::uint8_t { triangles, half_edges };
 // field, computed from the field's gradient.
 enum class Normals : std::uint8_t { none, gradients };
 
-// A memory limit, in bytes, that no mesh can exceed.
-inline constexpr std::uint64_t kNoMemoryLimit = std::numeric_limits<std::uint64_t>::max();
+// How a mesh is made of spheres: on a grid (extract/), or along the creases between them
+// (creases/).
+enum class Mesher : std::uint8_t { marching_cubes, exact };
 
 // Which optional arrays a mesh has beside positions and triangles. `width` is the width of
 // IndexedMesh::vertex_spheres, in ids per vertex.

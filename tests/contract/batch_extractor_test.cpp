@@ -11,6 +11,7 @@
 
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "support/dice.hpp"
 #include "support/extract_sets.hpp"
 

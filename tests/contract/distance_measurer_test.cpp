@@ -13,6 +13,7 @@
 
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "support/ball_families.hpp"
 #include "support/dice.hpp"
 #include "support/test_meshes.hpp"

@@ -11,6 +11,7 @@
 
 #include "contract/exact_mesher_contract.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "support/dice.hpp"
 #include "unit/arrangement/union_cases.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "contract/exact_mesher_contract.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "support/sphere_recipes.hpp"
 
 namespace vdwmesh::testing {

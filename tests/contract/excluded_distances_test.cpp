@@ -21,6 +21,7 @@
 #include "contract/excluded_distances_contract.hpp"
 #include "contract/excluded_measures_contract.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "core/sum.hpp"
 #include "excluded/distances/surface_samples.hpp"
 #include "excluded/excluded_mesher.hpp"

@@ -14,6 +14,7 @@
 
 #include "contract/excluded_measures_contract.hpp"
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "measures/exact_union.hpp"
 #include "reference/cages.hpp"
 #include "support/dice.hpp"

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "contract/extractor_contract.hpp"
+#include "core/monitor.hpp"
 #include "reference/closed_forms.hpp"
 
 namespace vdwmesh::testing {

@@ -9,6 +9,7 @@
 
 #include "contract/extractor_contract.hpp"
 #include "core/errors.hpp"
+#include "core/workspace.hpp"
 #include "cuda/count_part.hpp"
 #include "support/dice.hpp"
 #include "support/extract_sets.hpp"

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "contract/refiner_contract.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh::testing {
 namespace {

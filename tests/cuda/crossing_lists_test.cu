@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/workspace.hpp"
 #include "cuda/parity.hpp"
 #include "cuda/refine/device_refinement.cuh"
 #include "extract/field_list.hpp"

@@ -1,6 +1,7 @@
 // Marching cubes over a list of bricks, as a test wants it.
 #pragma once
 
+#include "core/workspace.hpp"
 #include "extract/bricks/brick_mesher.hpp"
 
 namespace vdwmesh::testing {

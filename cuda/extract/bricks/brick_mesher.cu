@@ -13,6 +13,7 @@
 // depend on how it was cut into runs, nor on which device made which run. A run that is made on the
 // device and brought to the host is called a slab.
 #include "core/first_from.hpp"
+#include "core/monitor.hpp"
 #include "cuda/extract/bricks/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"

@@ -51,11 +51,12 @@
 #include <optional>
 
 #include "analysis/mesh_measures.hpp"
-#include "core/monitor.hpp"
 #include "extract/grid.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // The pairs of triangles that intersect, as intersecting_pairs() defines them but in no particular
 // order, if the mesh lies in the cells of the grid as is said above; otherwise nothing. Takes

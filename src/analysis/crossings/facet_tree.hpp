@@ -15,7 +15,7 @@
 #include "analysis/survey/mesh_area.hpp"
 #include "core/buffer.hpp"
 #include "core/lanes/lane_masks.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {

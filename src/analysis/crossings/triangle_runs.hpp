@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "core/lanes/lanes.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {

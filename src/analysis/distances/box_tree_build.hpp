@@ -19,7 +19,7 @@
 #include "analysis/distances/box_tree_view.hpp"
 #include "core/host_device.hpp"
 #include "core/order/morton.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 

@@ -14,7 +14,7 @@
 #include "analysis/survey/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 #include "surface/triangle_check.hpp"
 
 namespace vdwmesh {

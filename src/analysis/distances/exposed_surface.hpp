@@ -12,10 +12,11 @@
 #include "analysis/distances/distances_tree.hpp"
 #include "analysis/distances/surface_search.hpp"
 #include "analysis/survey/patch.hpp"
-#include "core/monitor.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 class ExposedSurface {
  public:

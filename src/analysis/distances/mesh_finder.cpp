@@ -28,7 +28,7 @@
 #include "analysis/survey/mesh_area.hpp"
 #include "core/lanes/multiversion.hpp"
 #include "core/order/morton.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -230,8 +230,7 @@ VDWMESH_MULTIVERSION Box box_of_run(const TriangleRuns& runs, std::uint32_t run)
 // cell, of which there are 2^10 along each axis, and below it the index.
 std::vector<std::uint32_t> along_curve(std::span<const Vec3d> points) {
   constexpr double kCells = 1 << 10;
-  Box box = empty_box();
-  for (const Vec3d& p : points) include(box, p);
+  const Box box = box_around(points);
   const Vec3d side = box.upper - box.lower;
   const double longest = std::max({side.x, side.y, side.z});
   const double per_unit = longest > 0 ? kCells / longest : 0;

@@ -17,7 +17,7 @@
 #include "analysis/distances/exposed_surface.hpp"
 #include "core/lanes/lane_masks.hpp"
 #include "core/lanes/multiversion.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 

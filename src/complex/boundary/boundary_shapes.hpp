@@ -8,7 +8,6 @@
 #include "complex/boundary/exposed_arcs.hpp"
 #include "complex/simplex_shape.hpp"
 #include "core/buffer.hpp"
-#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 

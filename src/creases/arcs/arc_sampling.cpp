@@ -17,6 +17,7 @@
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "creases/arcs/boundary_arcs.hpp"
 
 namespace vdwmesh {
 namespace {

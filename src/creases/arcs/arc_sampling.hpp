@@ -9,10 +9,15 @@
 #include <span>
 #include <vector>
 
-#include "creases/arcs/boundary_arcs.hpp"
+#include "core/buffer.hpp"
+#include "core/host_device.hpp"
+#include "core/no_index.hpp"
+#include "core/vec3.hpp"
 #include "creases/arcs/patch_vector.hpp"
 
 namespace vdwmesh {
+
+struct BoundaryArcs;
 
 // A whole circle has at least this many pieces. A piece of any arc turns by at most 2 pi over this
 // number.

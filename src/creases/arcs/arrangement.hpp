@@ -4,10 +4,12 @@
 #include <cstdint>
 
 #include "complex/power_triangulation.hpp"
-#include "core/monitor.hpp"
+#include "core/errors.hpp"
 #include "measures/exposed_boundary.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // It is computed once and serves all attempts to mesh it. Lengths are scaled as in PlacedBalls.
 struct Arrangement {

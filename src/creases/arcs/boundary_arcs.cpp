@@ -17,11 +17,13 @@
 #include <numbers>
 
 #include "complex/boundary/arc_angle.hpp"
+#include "complex/placed_balls.hpp"
 #include "complex/simplex_shape.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/order/sorted_rows.hpp"
 #include "core/steps.hpp"
+#include "measures/exposed_boundary.hpp"
 #include "spheres/directions.hpp"
 
 namespace vdwmesh {

@@ -17,12 +17,16 @@
 #include <vector>
 
 #include "core/buffer.hpp"
-#include "core/monitor.hpp"
+#include "core/host_device.hpp"
+#include "core/no_index.hpp"
 #include "core/vec3.hpp"
 #include "creases/sine_cosine.hpp"
-#include "measures/exposed_boundary.hpp"
 
 namespace vdwmesh {
+
+struct ExposedBoundary;
+class Monitor;
+struct PlacedBalls;
 
 // Which features count as having no size. Both lengths are fractions of the radius of the smaller
 // of the two balls that meet in the arc or circle.

@@ -8,12 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "creases/arcs/patch_boundary.hpp"
 #include "creases/patch/patch_memory.hpp"
 #include "creases/sine_cosine.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Finds the caps that matter for a point of the unit sphere. With few caps these are all of them.
 // On the host many caps are kept in an octree: a cube has the list of those that come near to it,

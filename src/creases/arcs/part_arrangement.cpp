@@ -305,16 +305,17 @@ MeshShare::Run own_run(const Items& items, std::uint32_t first_own_ball) {
 
 ArrangedPart arrange_part(const SphereSet& spheres, std::size_t number, std::size_t parts,
                           const ExactMeshOptions& options) {
-  const BallFrame frame = ball_frame(spheres);
-  const PartCuts cut(spheres, frame.order, options, parts);
+  const int exponent = scale_exponent(spheres);
+  const SpatialFrame frame = spatial_frame(spheres);
+  const PartCuts cut(spheres, frame, options, parts);
   const auto mine = static_cast<std::uint32_t>(number);
   const std::vector<SphereId> ids = near_spheres(spheres, cut, mine);
   ArrangedPart out{};
   if (ids.empty()) return out;
   std::vector<Sphere> near;
   for (const SphereId i : ids) near.push_back(spheres[i]);
-  out.arrangement = arrange(placed_balls(SphereSet(std::move(near)), frame), options.monitor,
-                            options.memory_limit);
+  out.arrangement = arrange(placed_balls(SphereSet(std::move(near)), frame, exponent),
+                            options.monitor, options.memory_limit);
   PlacedBalls& t = out.arrangement.balls;
   for (SphereId& id : t.ids) id = ids[id];
   for (const SphereId id : t.ids) out.part.owner.push_back(cut.owner_of(spheres[id]));

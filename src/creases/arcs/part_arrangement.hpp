@@ -10,8 +10,10 @@
 
 #include <optional>
 
+#include "creases/arcs/arrangement.hpp"
+#include "creases/arcs/boundary_arcs.hpp"
+#include "creases/exact_mesher.hpp"
 #include "creases/share/mesh_borders.hpp"
-#include "creases/union_mesher.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {

@@ -10,8 +10,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "complex/placed_balls.hpp"
 #include "complex/simplex_shape.hpp"
 #include "core/fixed_blocks.hpp"
+#include "creases/arcs/boundary_arcs.hpp"
+#include "measures/exposed_boundary.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -8,12 +8,19 @@
 #include <span>
 #include <vector>
 
+#include "core/host_device.hpp"
 #include "core/order/sorted_rows.hpp"
+#include "core/vec3.hpp"
 #include "creases/arcs/arc_sampling.hpp"
 #include "creases/arcs/patch_vector.hpp"
 #include "creases/plane/row_lists.hpp"
 
 namespace vdwmesh {
+
+struct BoundaryArcs;
+struct ExposedBoundary;
+struct PlacedBalls;
+struct Sphere;
 
 // The cap of the patch's sphere that another ball covers: the directions u from the centre with
 // axis · u > cosine. Its rim is the circle in which the two spheres meet.

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/monitor.hpp"
 #include "creases/arcs/cap_margins.hpp"
 #include "creases/arcs/patch_boundary.hpp"
 #include "creases/patch/angle_floors.hpp"
@@ -21,6 +20,8 @@
 #include "creases/patch/patch_work.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 struct PatchOptions {
   double edge_length;  // wanted, as a fraction of the sphere's radius

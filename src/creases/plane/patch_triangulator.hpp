@@ -19,7 +19,6 @@
 #include <cmath>
 #include <span>
 
-#include "core/monitor.hpp"
 #include "core/steps.hpp"
 #include "creases/arcs/cap_margins.hpp"
 #include "creases/patch/angle_floors.hpp"
@@ -33,6 +32,8 @@
 #include "spheres/directions.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 namespace triangulator {
 
 // Points of the subdivided icosahedron keep this distance from the arcs, as a fraction of the edge

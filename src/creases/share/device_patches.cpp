@@ -11,6 +11,7 @@
 #include <iterator>
 #include <utility>
 
+#include "complex/placed_balls.hpp"
 #include "creases/share/patch_batch.hpp"
 
 namespace vdwmesh {

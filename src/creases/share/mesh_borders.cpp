@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 
+#include "complex/placed_balls.hpp"
 #include "core/errors.hpp"
 
 namespace vdwmesh {

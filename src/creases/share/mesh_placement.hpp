@@ -9,6 +9,7 @@
 #include <functional>
 #include <vector>
 
+#include "complex/placed_balls.hpp"
 #include "creases/arcs/patch_boundary.hpp"
 #include "creases/patch/patch_mesher.hpp"
 #include "creases/share/mesh_borders.hpp"

@@ -7,6 +7,9 @@
 #include <string>
 
 #include "core/errors.hpp"
+#include "distributed/files/shared_file.hpp"
+#include "distributed/ranks.hpp"
+#include "distributed/shares/surface_piece.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/formats/chunk_writer.hpp"
 #include "mesh/formats/ply_records.hpp"

@@ -1,16 +1,16 @@
 // Writes a surface that all ranks made together into one PLY file.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <span>
 
-#include "distributed/files/shared_file.hpp"
-#include "distributed/ranks.hpp"
-#include "distributed/shares/surface_piece.hpp"
 #include "mesh/element_color.hpp"
 
 namespace vdwmesh {
+
+struct MeshSize;
+class Ranks;
+class SharedFile;
+struct SurfacePiece;
 
 // Throws LimitExceeded if a mesh of this size has more vertices than a PLY file can have.
 void check_ply_size(const MeshSize& size);

@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "distributed/files/shared_file.hpp"
 #include "distributed/files/vtkhdf_layout.hpp"
+#include "distributed/ranks.hpp"
+#include "distributed/shares/surface_piece.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/formats/ply_records.hpp"
 

@@ -4,9 +4,13 @@
 
 #include <span>
 
-#include "distributed/files/ply_file.hpp"
+#include "mesh/element_color.hpp"
 
 namespace vdwmesh {
+
+class Ranks;
+class SharedFile;
+struct SurfacePiece;
 
 // Whether this build has HDF5, without which the function below throws BackendUnavailable.
 bool has_vtkhdf();

@@ -12,8 +12,7 @@
 #include <utility>
 
 #include "core/fixed_blocks.hpp"
-#include "core/joined_arrays.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

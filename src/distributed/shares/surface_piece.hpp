@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cuda/backend.hpp"
+#include "cuda/backend_choice.hpp"
 #include "distributed/ranks.hpp"
 #include "distributed/together/vertex_numbers.hpp"
 #include "extract/extractor.hpp"

@@ -11,14 +11,13 @@
 #include <utility>
 
 #include "core/fixed_blocks.hpp"
-#include "core/joined_arrays.hpp"
 #include "extract/area_estimate.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/bricks/brick.hpp"
 #include "extract/field_list.hpp"
+#include "spheres/box.hpp"
 #include "spheres/level_extent.hpp"
-#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,8 +1,9 @@
-// A rank sends each of its triangles that has vertices of other ranks to the owners of these
-// vertices. With the triangles that arrive it knows all vertices of its part. It names those of
-// other ranks to their owners (Halo), which send their positions. Of two vertices the one whose
-// owner is the lower rank is the smaller one, and of one owner's the one with the lower number: so
-// all ranks agree (MeshPart), whatever indices the vertices have in a part.
+// The part of a rank is its piece of the surface (SurfacePiece) with the triangles of other ranks
+// at its border. A rank sends each of its triangles that has vertices of other ranks to the owners
+// of these vertices. With the triangles that arrive it knows all vertices of its part. It names
+// those of other ranks to their owners (Halo), which send their positions. Of two vertices the one
+// whose owner is the lower rank is the smaller one, and of one owner's the one with the lower
+// number: so all ranks agree (MeshPart), whatever indices the vertices have in a part.
 #include "distributed/together/border_mesh.hpp"
 
 #include <algorithm>

@@ -22,7 +22,7 @@
 #include "distributed/together/border_mesh.hpp"
 #include "distributed/together/joined_sets.hpp"
 #include "distributed/together/sorted_numbers.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

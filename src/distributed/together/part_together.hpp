@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "cuda/backend.hpp"
+#include "cuda/backend_choice.hpp"
 #include "distributed/ranks.hpp"
 #include "distributed/shares/surface_shares.hpp"
 #include "extract/extractor.hpp"

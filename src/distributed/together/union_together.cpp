@@ -17,6 +17,8 @@
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/workspace.hpp"
+#include "cuda/backend.hpp"
 #include "distributed/shares/sphere_shares.hpp"
 #include "distributed/together/components_together.hpp"
 #include "measures/arcs/arcs.hpp"

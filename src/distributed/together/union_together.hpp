@@ -7,7 +7,8 @@
 #include <span>
 #include <string>
 
-#include "cuda/backend.hpp"
+#include "core/errors.hpp"
+#include "cuda/backend_choice.hpp"
 #include "distributed/ranks.hpp"
 #include "measures/exact_union.hpp"
 #include "measures/frame_measures.hpp"

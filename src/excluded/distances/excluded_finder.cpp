@@ -38,7 +38,7 @@
 #include <vector>
 
 #include "core/lanes/multiversion.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh::excluded {
 namespace {

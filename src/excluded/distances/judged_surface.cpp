@@ -13,8 +13,8 @@
 #include <limits>
 #include <numbers>
 
+#include "spheres/box.hpp"
 #include "spheres/directions.hpp"
-#include "surface/box.hpp"
 
 namespace vdwmesh::excluded {
 namespace {

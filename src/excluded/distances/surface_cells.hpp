@@ -7,6 +7,7 @@
 
 #include "analysis/distances/exposed_surface.hpp"
 #include "excluded/distances/judged_surface.hpp"
+#include "surface/vertex_labels.hpp"
 
 namespace vdwmesh::excluded {
 

@@ -1,5 +1,10 @@
 // Shapes and measures of arcs, saddles and whole concave patches, in double. For the library's own
 // use, on the host and on a CUDA device. The formulas are those of excluded_measures().
+//
+// Balls are those grown by the probe. A probe at a corner touches three of them; its concave patch
+// is a polygon on the probe whose corners are the points of contact. `sixths` is six times an Euler
+// characteristic: of a crease each of two patches counts a half, and of a point where creases meet
+// each of three patches a third.
 #pragma once
 
 #include "excluded/elements/elements.hpp"
@@ -10,6 +15,7 @@ namespace vdwmesh::excluded::elements {
 
 inline constexpr double kPi = std::numbers::pi;
 
+// The direction of `arm` at right angles to the axis; any such direction if `arm` lies along it.
 VDWMESH_HD inline Vec3d flattened(const Vec3d& arm, const Vec3d& axis) {
   const Vec3d flat = arm - dot(arm, axis) * axis;
   return squared_norm(flat) > 0 ? unit(flat) : any_orthogonal(axis);
@@ -36,7 +42,9 @@ VDWMESH_HD inline ArcShape arc_shape(const Balls& balls, const ProbeCorner* corn
   }
   const double angle =
       std::atan2(triple_product(s.axis, s.radial[0], s.radial[1]), dot(s.radial[0], s.radial[1]));
-  constexpr double kClose = 1e-3;
+  // The arctangent is short of a whole turn where it is negative. Near 0 rounding decides its sign,
+  // but the rough length tells a tiny arc from all but a whole circle.
+  constexpr double kClose = 1e-3;  // rad
   s.angle = angle;
   if (std::abs(angle) < kClose ? arc.turns > 2 : angle < 0) s.angle += 2 * kPi;
   return s;
@@ -44,6 +52,11 @@ VDWMESH_HD inline ArcShape arc_shape(const Balls& balls, const ProbeCorner* corn
 
 // What the ball on one side of an arc, 0 or 1, gets of its saddle, and of the arc as a boundary of
 // its contact piece.
+//
+// In the Euler characteristic an arc that is no ring counts -1 for its edge on each contact piece,
+// and 1 for the face of the saddle, which side 0 has. A spindle's saddle falls into two faces, one
+// on each side, which end in cusps: all arcs of one circle share the two cusps, which go to the
+// first arc. The cusp of a ring lies inside its face, a disk, and is no vertex.
 VDWMESH_HD inline ElementShare saddle_terms(const Balls& balls, const Arc& arc,
                                             const ArcShape& shape, bool first_on_circle, int side,
                                             const Vec3d& home) {
@@ -94,7 +107,7 @@ VDWMESH_HD inline double turning_angle(const Vec3d& ox, const Vec3d& op, const V
   return std::atan2(norm(ox) * std::abs(triple_product(op, oq, ox)), dot(n, m));
 }
 
-// Which of a corner's balls a ball is.
+// The slot, 0 to 2, of one of a corner's balls.
 VDWMESH_HD inline int place_in(const CornerName& name, std::uint32_t ball) {
   return name.ball[0] == ball ? 0 : (name.ball[1] == ball ? 1 : 2);
 }
@@ -167,12 +180,12 @@ VDWMESH_HD inline void share_arc(const Balls& balls, const ProbeCorner& corner,
   }
 }
 
-// A concave patch as it counts: solid angle, ∫ w dω, and what its balls get of the solid angle and
-// of three times the volume of the cones over the flat faces.
+// A concave patch, cut by creases or whole, on a probe of radius 1.
 struct PatchMeasures {
   double solid_angle;
-  Vec3d vector;
-  double share[3], flat[3];
+  Vec3d vector;     // ∫ w dω
+  double share[3];  // of the solid angle, for each of its balls
+  double flat[3];   // likewise, three times the volume of the cones over the flat faces of creases
   std::uint64_t creases;
   std::int32_t sixths;
   std::uint32_t crease_arcs;

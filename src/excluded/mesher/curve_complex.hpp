@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "creases/arcs/boundary_arcs.hpp"
 #include "creases/arcs/patch_boundary.hpp"
 #include "creases/plane/row_lists.hpp"
 #include "excluded/patches/concave_patch.hpp"

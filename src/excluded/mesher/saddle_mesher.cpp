@@ -18,6 +18,7 @@
 #include "creases/patch/patch_quality.hpp"
 #include "creases/plane/flat_boundary.hpp"
 #include "creases/plane/inside_marks.hpp"
+#include "excluded/mesher/saddle_chart.hpp"
 
 namespace vdwmesh::excluded {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "creases/patch/patch_mesher.hpp"
 #include "excluded/mesher/curve_complex.hpp"
-#include "excluded/mesher/saddle_chart.hpp"
 
 namespace vdwmesh::excluded {
 

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/monitor.hpp"
 #include "excluded/patches/patch_boundary.hpp"
 #include "excluded/probes/wide_probes.hpp"
 #include "spheres/directions.hpp"

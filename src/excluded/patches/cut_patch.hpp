@@ -12,6 +12,7 @@
 // circle of each cap by the other caps; chain_loops() joins the segments to loops.
 #pragma once
 
+#include "core/no_index.hpp"
 #include "excluded/patches/cap_arrangement.hpp"
 #include "excluded/patches/patch_sides.hpp"
 #include "excluded/patches/share_formulas.hpp"

@@ -7,6 +7,7 @@
 // where it is cut. So one point of a part tells whether all of it lies in the polygon.
 #pragma once
 
+#include "core/no_index.hpp"
 #include "excluded/patches/cut_patch.hpp"
 
 namespace vdwmesh::excluded {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "complex/placed_balls.hpp"
+#include "core/no_index.hpp"
 #include "excluded/patches/saddle_formulas.hpp"
 #include "spheres/directions.hpp"
 

@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "core/disjoint_sets.hpp"
+#include "core/monitor.hpp"
 #include "core/sum.hpp"
 #include "excluded/probes/short_arcs.hpp"
 #include "excluded/probes/wide_probes.hpp"

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <utility>
 
 #include "core/errors.hpp"
 
@@ -14,9 +13,7 @@ SphereSet grown_by(const SphereSet& atoms, double probe) {
   if (!(probe > 0 && std::isfinite(probe))) {
     throw InvalidInput(fmt::format("the probe's radius is {}; it must be above 0", probe));
   }
-  std::vector<Sphere> balls(atoms.spheres().begin(), atoms.spheres().end());
-  for (Sphere& b : balls) b.radius += probe;
-  return SphereSet(std::move(balls));
+  return grown(atoms.spheres(), probe);
 }
 
 GrownAtoms::GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor, double no_length)

@@ -17,6 +17,8 @@
 
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
+#include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/limits.hpp"
 

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "core/buffer.hpp"
-#include "core/workspace.hpp"
 #include "extract/bricks/brick_extraction.hpp"
 #include "extract/extractor.hpp"
 
 namespace vdwmesh {
+
+class Workspace;
 
 // The result of counting: the memory behind a BrickList, which a Workspace keeps.
 struct CountedBricks {

@@ -12,7 +12,7 @@
 #include <limits>
 #include <vector>
 
-#include "extract/bricks/brick_geometry.hpp"
+#include "extract/grid.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {

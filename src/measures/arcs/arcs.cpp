@@ -17,6 +17,7 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/lanes/multiversion.hpp"
+#include "core/workspace.hpp"
 #include "measures/arcs/ball_caps.hpp"
 #include "measures/arcs/cell_faces.hpp"
 #include "measures/arcs/cut_ball.hpp"

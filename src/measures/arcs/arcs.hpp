@@ -12,14 +12,15 @@
 #include <vector>
 
 #include "core/disjoint_sets.hpp"
-#include "core/monitor.hpp"
-#include "core/workspace.hpp"
 #include "measures/arcs/shared_face.hpp"
 #include "measures/exact_union.hpp"
 #include "measures/measured_spheres.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
+class Workspace;
 
 // What spheres contribute to the counts of their union. These are sums of integers, so they do not
 // depend on the order of the spheres, nor on how a union is divided among several calls.

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "measures/certificate/simplex_terms.hpp"
 #include "measures/certificate/wide_interval.hpp"
 #include "measures/exact_sum.hpp"

@@ -25,10 +25,10 @@
 // its balls. within() uses them, so that no interval is infinite.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
-#include "complex/power_triangulation.hpp"
 #include "measures/certificate/interval.hpp"
 #include "spheres/sphere_set.hpp"
 

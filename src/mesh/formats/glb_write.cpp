@@ -17,7 +17,7 @@
 #include "mesh/formats/chunk_writer.hpp"
 #include "mesh/formats/float_loss.hpp"
 #include "mesh/formats/formats.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh::formats {
 namespace {
@@ -40,9 +40,7 @@ constexpr std::uint64_t kMaxJsonBytes = 4096;
 // The bounding box of all vertices; a mesh without any has a box at the origin.
 Box box_of(const IndexedMesh& mesh) {
   if (mesh.vertex_count() == 0) return {{0, 0, 0}, {0, 0, 0}};
-  Box box = empty_box();
-  for (const Vec3d& p : mesh.positions) include(box, p);
-  return box;
+  return box_around(mesh.positions);
 }
 
 // Bytes of the four arrays: positions, normals, colours, corners of the triangles.

@@ -70,6 +70,9 @@ void write_array(ByteSink& sink, const char* attributes, std::size_t count, cons
 
 void write_msh(const MeshView& view, ByteSink& sink) {
   const IndexedMesh& mesh = view.mesh;
+  // An estimate: three doubles of about 18 characters and a 7-digit number per vertex, and per
+  // triangle eight numbers, four of which have 7 digits.
+  sink.expect(66 * mesh.vertex_count() + 52 * mesh.triangle_count());
   write_text(
       sink, fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.vertex_count()));
   write_records(sink, mesh.vertex_count(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {
@@ -100,6 +103,8 @@ void write_msh(const MeshView& view, ByteSink& sink) {
 void write_vtp(const MeshView& view, ByteSink& sink) {
   const IndexedMesh& mesh = view.mesh;
   const std::size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
+  // An estimate: three floats and three doubles per vertex, and five 7-digit numbers per triangle.
+  sink.expect(93 * vertices + 42 * triangles);
   write_text(sink, fmt::format("<?xml version=\"1.0\"?>\n"
                                "<!-- made by vdwmesh; lengths in angstrom -->\n"
                                "<VTKFile type=\"PolyData\" version=\"1.0\" "

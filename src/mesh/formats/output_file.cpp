@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -8,9 +8,10 @@
 #include <utility>
 
 #include "core/large_pages.hpp"
-#include "core/monitor.hpp"
 
 namespace vdwmesh {
+
+class Monitor;
 
 // Interface through which the writers of mesh files give away their bytes.
 class ByteSink {

@@ -13,6 +13,8 @@
 namespace vdwmesh::formats {
 namespace {
 
+constexpr std::size_t kMostShown = 24;  // characters of a word in a message
+
 // Both sets of names are in use: the original ones (char, uchar, ...) and those with sizes.
 PlyScalar scalar_named(TextScanner& in, std::string_view name) {
   static constexpr std::pair<std::string_view, PlyScalar> kNames[] = {
@@ -26,7 +28,7 @@ PlyScalar scalar_named(TextScanner& in, std::string_view name) {
       {"double", PlyScalar::float64}, {"float64", PlyScalar::float64}};
   for (const auto& [known, scalar] : kNames)
     if (known == name) return scalar;
-  in.fail(fmt::format("'{}' is no PLY type", name.substr(0, 24)));
+  in.fail(fmt::format("'{}' is no PLY type", name.substr(0, kMostShown)));
 }
 
 // The rest of a "format" line. Its version is not read: there is only 1.0.
@@ -35,7 +37,7 @@ PlyEncoding read_format(TextScanner& in) {
   if (name == "ascii") return PlyEncoding::ascii;
   if (name == "binary_little_endian") return PlyEncoding::little_endian;
   if (name == "binary_big_endian") return PlyEncoding::big_endian;
-  in.fail(fmt::format("'{}' is no PLY format", name.substr(0, 24)));
+  in.fail(fmt::format("'{}' is no PLY format", name.substr(0, kMostShown)));
 }
 
 // The rest of a "property" line: "type name", or "list count-type type name".
@@ -96,7 +98,7 @@ PlyHeader read_ply_header(std::string_view bytes) {
     } else if (keyword == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(read_property(in));
     } else {
-      in.fail(fmt::format("'{}' has no place in a PLY header", keyword.substr(0, 24)));
+      in.fail(fmt::format("'{}' has no place in a PLY header", keyword.substr(0, kMostShown)));
     }
   }
   if (!has_format) in.fail("the header names no format");

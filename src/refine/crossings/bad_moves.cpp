@@ -37,6 +37,7 @@
 #include <span>
 #include <vector>
 
+#include "core/monitor.hpp"
 #include "refine/crossings/box_lanes.hpp"
 #include "refine/crossings/crossing_formulas.hpp"
 #include "refine/crossings/facing_lanes.hpp"
@@ -260,7 +261,7 @@ struct BadMoves<Level>::CellPatches {
   std::span<const std::uint32_t> listed;
   BoxLanes boxes;
   std::vector<std::uint8_t> begins;  // bit a: the cell is the first one of the patch along axis a
-  // By block of BoxLanes::kLanes patches, a bit for each: whether the patch is wanted.
+  // By block of BoxLanes::kLanes patches, eight, a bit for each: whether the patch is wanted.
   std::vector<std::uint32_t> wanted;
   SharedStars stars;
   std::vector<PatchOutline> outlines;  // made when the first pair needs them
@@ -420,6 +421,7 @@ void BadMoves<Level>::mark_crossed(std::size_t cell) {
     // A patch is tested with itself in its own first cell.
     if (is_wanted && here.begins[i] == kAllAxes) mark_within(i, here);
     for (std::size_t first = 0; first < i; first += BoxLanes::kLanes) {
+      // The patches before i of a block of eight, if i is wanted; else those that are wanted.
       std::uint32_t tested = is_wanted ? 0xffu : here.wanted[first / BoxLanes::kLanes];
       if (first + BoxLanes::kLanes > i) tested &= (1u << (i - first)) - 1;
       if (tested == 0) continue;

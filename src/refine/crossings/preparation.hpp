@@ -3,7 +3,6 @@
 
 #include <cstdint>
 
-#include "core/workspace.hpp"
 #include "extract/field.hpp"
 #include "refine/refiner.hpp"
 #include "refine/surface_view.hpp"
@@ -11,6 +10,8 @@
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
+
+class Workspace;
 
 // The same as refine_bytes() of refiner.hpp, less what these options leave out: normals, and the
 // half-edges of the last level. A mesh that is not subdivided counts with all arrays, since it is

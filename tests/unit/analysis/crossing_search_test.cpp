@@ -17,8 +17,8 @@
 #include "refine/crossings/patch_grid.hpp"
 #include "refine/crossings/preparation.hpp"
 #include "refine/subdivision_formulas.hpp"
+#include "spheres/box.hpp"
 #include "support/dice.hpp"
-#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {

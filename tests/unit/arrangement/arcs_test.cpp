@@ -11,6 +11,7 @@
 #include <random>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "measures/exact_sum.hpp"
 #include "measures/total_measures.hpp"
 

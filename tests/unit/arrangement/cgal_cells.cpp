@@ -13,6 +13,7 @@
 
 #include "complex/placed_balls.hpp"
 #include "complex/power_predicates.hpp"
+#include "core/no_index.hpp"
 
 namespace vdwmesh::testing {
 namespace {

@@ -12,6 +12,7 @@
 
 #include "complex/boundary/exposed_arcs.hpp"
 #include "creases/arcs/boundary_arcs.hpp"
+#include "measures/exposed_boundary.hpp"
 #include "support/ball_families.hpp"
 
 namespace vdwmesh::testing {

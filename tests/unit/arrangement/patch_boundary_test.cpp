@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "complex/dual_complex.hpp"
+#include "creases/arcs/boundary_arcs.hpp"
 #include "creases/arcs/point_circles.hpp"
 #include "creases/patch/patch_quality.hpp"
+#include "measures/exposed_boundary.hpp"
 #include "spheres/directions.hpp"
 #include "support/dice.hpp"
 

@@ -11,8 +11,10 @@
 #include <string>
 
 #include "complex/dual_complex.hpp"
+#include "creases/arcs/boundary_arcs.hpp"
 #include "creases/arcs/patch_boundary.hpp"
 #include "creases/plane/stereographic.hpp"
+#include "measures/exposed_boundary.hpp"
 #include "reference/planar_delaunay.hpp"
 #include "structure/reader.hpp"
 #include "support/dice.hpp"

@@ -12,6 +12,8 @@
 
 #include "cgal_cells.hpp"
 #include "complex/placed_balls.hpp"
+#include "core/errors.hpp"
+#include "core/no_index.hpp"
 #include "support/dice.hpp"
 #include "support/family_sets.hpp"
 #include "surface/indexed_mesh.hpp"

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/errors.hpp"
+#include "core/monitor.hpp"
 #include "union_cases.hpp"
 
 namespace vdwmesh {

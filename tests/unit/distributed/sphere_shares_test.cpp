@@ -5,9 +5,10 @@
 
 #include <random>
 
+#include "core/workspace.hpp"
 #include "distributed/together/joined_sets.hpp"
 #include "measures/arcs/arcs.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

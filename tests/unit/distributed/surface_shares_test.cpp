@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "core/joined_arrays.hpp"
+#include "core/fixed_blocks.hpp"
 #include "extract/area_estimate.hpp"
 #include "measures/exact_union.hpp"
 #include "spheres/even_directions.hpp"

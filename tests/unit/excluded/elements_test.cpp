@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "excluded/elements/batch_rows.hpp"
-#include "excluded/elements/host_executor.hpp"
 #include "measures/union_measurer.hpp"
 #include "support/excluded_batches.hpp"
+#include "support/host_executor.hpp"
 #include "support/shared_files.hpp"
 #include "support/sphere_recipes.hpp"
 #include "support/xyzr.hpp"

@@ -42,5 +42,14 @@ VDWMESH_HD constexpr Box box_of(const Sphere& ball) {
   const Vec3d r{ball.radius, ball.radius, ball.radius};
   return {ball.center - r, ball.center + r};
 }
+VDWMESH_HD constexpr void include(Box& box, const Sphere& ball) { include(box, box_of(ball)); }
+
+// The smallest box around all of the points, balls or boxes.
+template <class Items>
+Box box_around(const Items& items) {
+  Box box = empty_box();
+  for (const auto& item : items) include(box, item);
+  return box;
+}
 
 }  // namespace vdwmesh
