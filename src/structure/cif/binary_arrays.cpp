@@ -242,13 +242,20 @@ class ArrayDecoder {
   // The sum as an integer of this type has it: 127 + 1 is -128 in eight bits with a sign.
   static std::int64_t wrapped(std::int64_t type, std::int64_t sum) {
     switch (type) {
-      case 1: return static_cast<std::int8_t>(sum);
-      case 2: return static_cast<std::int16_t>(sum);
-      case 3: return static_cast<std::int32_t>(sum);
-      case 4: return static_cast<std::uint8_t>(sum);
-      case 5: return static_cast<std::uint16_t>(sum);
-      case 6: return static_cast<std::uint32_t>(sum);
-      default: return sum;
+      case 1:
+        return static_cast<std::int8_t>(sum);
+      case 2:
+        return static_cast<std::int16_t>(sum);
+      case 3:
+        return static_cast<std::int32_t>(sum);
+      case 4:
+        return static_cast<std::uint8_t>(sum);
+      case 5:
+        return static_cast<std::uint16_t>(sum);
+      case 6:
+        return static_cast<std::uint32_t>(sum);
+      default:
+        return sum;
     }
   }
 
