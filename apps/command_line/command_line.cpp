@@ -89,6 +89,7 @@ class Reading {
   // here.
   void split(Words words) {
     words_ = words;
+    std::ranges::for_each(words, [this](const std::string& word) { refuse_empty_value(word); });
     std::ranges::reverse(words);  // as CLI11 takes them
     try {
       app_.parse(words);
@@ -130,6 +131,18 @@ class Reading {
 
   bool is_given(const std::string& name) const { return added_.at(name)->count() > 0; }
 
+  // CLI11 takes the word behind "--json=" for its value.
+  void refuse_empty_value(const std::string& word) const {
+    if (!word.starts_with('-') || !word.ends_with('=')) return;
+    const std::string name = word.substr(0, word.size() - 1);
+    if (app_.get_option_no_throw(name) != nullptr) refuse_empty(name);
+  }
+
+  // Most likely a variable of a script that was not set.
+  [[noreturn]] static void refuse_empty(const std::string& name) {
+    refuse("{}: its value is empty; give one, or leave the option out", name);
+  }
+
   // Files are accounted for as they come, so that a clash names the two options.
   void read_given(const Option& option, NamedFiles& files) const {
     const std::string name = option.short_name();
@@ -137,8 +150,7 @@ class Reading {
     if (option.is_flag() && texts[0] != "true") throw InvalidInput(name + ": takes no value");
     if (option.reader.times == Times::once) check_once(option, texts.size());
     for (const std::string& text : texts) {
-      // Most likely a variable of a script that was not set.
-      if (text.empty()) refuse("{}: its value is empty; give one, or leave the option out", name);
+      if (text.empty()) refuse_empty(name);
       if (option.reader.use == Use::reads) files.add_input(name, text);
       if (option.reader.use == Use::writes) files.add_output(name, text);
       option.reader.read(name, text);

@@ -25,7 +25,7 @@ FIELDS = ("vdw", "blinn", "soft", "inverse-squared")
 class Refusals(ProgramTest):
     def refused(self, *options, says=()):
         option = next(o for o in options if o.startswith("--"))
-        self.assert_refused(BAD_INPUT, "report", UBIQUITIN, *options, says=(option, *says))
+        self.assert_refused(BAD_INPUT, "report", UBIQUITIN, *options, says=(option.rstrip("="), *says))
 
     def test_numbers_out_of_range(self):
         for option, values in {
@@ -48,6 +48,7 @@ class Refusals(ProgramTest):
                        "--edge-length-of", "--group", "--picture", "--assembly", "--voids"):  # fmt: skip
             with self.subTest(option=option):
                 self.refused(option, "", says=("empty",))
+                self.refused(f"{option}=", "--topology=off", says=("empty",))
         self.assert_refused(BAD_INPUT, "exact", "", says=("INPUT", "empty"))
 
     def test_options_that_lists_of_spheres_cannot_have(self):

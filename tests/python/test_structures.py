@@ -211,6 +211,16 @@ class BinaryCifTest(unittest.TestCase):
             with self.subTest(source):
                 self.assertEqual(self.resids(([delta, *encodings], data)), self.NUMBERS)
 
+    def test_differences_of_signed_types_go_round(self):
+        for source, letter in ((1, "b"), (2, "h"), (3, "i")):
+            half = 1 << (8 * (1, 2, 4)[source - 1] - 1)
+            numbers = [half - 1, -half, 7, half - 1, 0, -1, -half, half - 2]
+            steps = [(b - a + half) % (2 * half) - half for a, b in zip([0, *numbers], numbers)]
+            encodings, data = binary_cif.byte_array(steps, letter)
+            delta = {"kind": "Delta", "origin": 0, "srcType": source}
+            with self.subTest(source):
+                self.assertEqual(self.resids(([delta, *encodings], data)), numbers)
+
     def test_an_empty_mask_is_none(self):
         self.assertEqual(self.resids(binary_cif.int32(self.NUMBERS), {}), self.NUMBERS)
 

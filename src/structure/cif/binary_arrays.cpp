@@ -232,15 +232,31 @@ class ArrayDecoder {
     std::int64_t sum = integer(encoding, "origin", kSmallest, kLargest);
     const std::optional<PackedValue> given = encoding.find("srcType");
     const std::int64_t type = given ? given->integer().value_or(0) : 0;
-    const std::int64_t kept = type == 4   ? 0xFF
-                              : type == 5 ? 0xFFFF
-                              : type == 6 ? std::int64_t{0xFFFFFFFF}
-                                          : std::int64_t{-1};  // the bits of a sum
     for (std::int32_t& value : values) {
-      sum = (sum + value) & kept;
+      sum = wrapped(type, sum + value);
       value = narrow(sum);
     }
     return values;
+  }
+
+  // The sum as an integer of this type has it: 127 + 1 is -128 in eight bits with a sign.
+  static std::int64_t wrapped(std::int64_t type, std::int64_t sum) {
+    switch (type) {
+      case 1:
+        return static_cast<std::int8_t>(sum);
+      case 2:
+        return static_cast<std::int16_t>(sum);
+      case 3:
+        return static_cast<std::int32_t>(sum);
+      case 4:
+        return static_cast<std::uint8_t>(sum);
+      case 5:
+        return static_cast<std::uint16_t>(sum);
+      case 6:
+        return static_cast<std::uint32_t>(sum);
+      default:
+        return sum;
+    }
   }
 
   // Each value is the sum of the elements up to the first that is not at a limit of its type.

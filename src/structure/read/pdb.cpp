@@ -86,6 +86,8 @@ int vote_for_wide_names(std::string_view line) {
   };
   if (is_known(name) && is_known(shorter)) return 0;  // "HISA" of GROMOS, or HIS of a chain "AA"
   if (is_known(name)) return 1;
+  // "LYSN" of GROMOS without a chain, or the chain of LYS in the wrong column.
+  if (columns(line, kFourthLetter + 1, 1) == " ") return is_known(shorter) ? 0 : 1;
   if (is_known(shorter) || four[0] == ' ' || three.find(' ') != std::string_view::npos) return -1;
   return 1;
 }
@@ -171,8 +173,10 @@ float leading_number(std::string_view field) {
 }
 
 // The symbol of an atom type of AutoDock: A is carbon, and a capital A, D or S behind N, O, S or H
-// says something of hydrogen bonds. The carbons that close rings are CG0, CG1 and so on.
+// says something of hydrogen bonds. The carbons that close rings are CG0, CG1 and so on. W is the
+// water of hydrated docking, one place for a whole molecule: no element, and no tungsten.
 std::string_view symbol_of_autodock(std::string_view type) {
+  if (type == "W") return "X";
   if (type == "A" || type.starts_with("CG")) return "C";
   const bool marked = type.size() == 2 && std::string_view("NOSH").find(type[0]) != type.npos &&
                       std::string_view("ADS").find(type[1]) != type.npos;
@@ -214,7 +218,7 @@ class PdbReader {
     if (layout_.is_name_guessed) {
       file_.warnings.push_back(
           "column 21 is taken for the fourth letter of residue names, as in HISA; nothing in the "
-          "file tells it from chain ids of two letters, which an mmCIF file can have");
+          "file tells it from the letter of a chain id; an mmCIF file has columns for both");
     }
   }
 

@@ -131,7 +131,8 @@ constexpr std::array kLayouts{
 
 // Reads the names of the row by columns, and puts x, y, z and the fields behind them into
 // `numbers`. False if the line does not keep to the layout: the coordinates must be numbers of
-// three decimals in their columns, and no name may have a blank in it, as pieces of two words have.
+// three decimals in their columns, only blanks may stand between them and the residue's number, and
+// no name may have a blank in it, as pieces of two words have.
 bool take_columns(std::string_view line, const PqrColumns& layout, PqrRow& row,
                   std::vector<std::string_view>& numbers) {
   numbers.clear();
@@ -142,6 +143,8 @@ bool take_columns(std::string_view line, const PqrColumns& layout, PqrRow& row,
       return false;
     numbers.push_back(trimmed(field));
   }
+  const std::size_t behind = layout.number + layout.number_width;
+  if (!trimmed(columns(line, behind, layout.position[0] - behind)).empty()) return false;
   row.number = trimmed(columns(line, layout.number, layout.number_width));
   row.name = trimmed(columns(line, 12, 4));
   if (row.name.empty() || !is_residue_number(row.number)) return false;

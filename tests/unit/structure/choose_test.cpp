@@ -371,6 +371,12 @@ TEST(Residues, NamesOfFourLetters) {
                                                   in_segment(" N  ", "GLYAB   3", 19, ""));
   EXPECT_EQ(wide.atoms.at(1).residue_name, "HEM");
   EXPECT_EQ(wide.atoms.at(1).chain, "AB");
+  // A blank behind the fourth letter is no chain id: neutral lysine of GROMOS, without a chain.
+  const Molecule neutral = read_text_as(
+      "a.pdb", in_segment(" CA ", "ALA     1", 0, "") + in_segment(" CA ", "LYSN    2", 9, ""));
+  EXPECT_EQ(neutral.atoms.at(1).residue_name, "LYSN");
+  EXPECT_EQ(neutral.atoms.at(1).chain, "");
+  EXPECT_EQ(neutral.warnings.size(), 1U);  // the letter might be a chain in the wrong column
 }
 
 TEST(AlternateLocations, TheHighestWhereALabelIsMissing) {
