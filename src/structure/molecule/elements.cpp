@@ -125,6 +125,14 @@ El of_bare_name(std::string_view name) {
   return element == El::Xe ? El::X : element;
 }
 
+// Whether the element was told from a name that begins with D, and the residue has no such
+// deuterium.
+bool is_dummy(El told, std::string_view name, std::string_view residue) {
+  name.remove_prefix(std::min(name.find_first_not_of("0123456789"), name.size()));
+  return (told == El::D || told == El::X) && name.starts_with('D') &&
+         !is_deuterium_name(name, residue);
+}
+
 // Rule 2. The name has exactly four characters and may contain blanks. Old PDB files put the digit
 // of a hydrogen first ("1HB "), so the letter behind a leading digit is the symbol. A digit behind
 // the first letter ("H11A") ends the symbol. A name that begins behind column 13 is read by its
@@ -245,6 +253,8 @@ void read_element(std::string_view symbol, std::string_view name, NamePlace plac
     atom.element =
         gemmi::find_element(place == NamePlace::columns ? element_of_aligned_name(name, residue)
                                                         : element_of_bare_name(name, residue));
+    atom.is_virtual = is_dummy(atom.element, bare, of_residue);
+    if (atom.is_virtual) atom.element = El::X;
   }
 }
 
@@ -260,9 +270,10 @@ const char* element_of_aligned_name(std::string_view four_columns, std::string_v
 
 const char* element_of_bare_name(std::string_view name, std::string_view residue) {
   if (is_martini_bead(name, residue)) return gemmi::element_name(El::X);
-  const std::string bare = capitals(name);
-  const El known = in_known_residue(bare, capitals(residue));
-  return gemmi::element_name(known != El::X ? known : of_bare_name(bare));
+  const std::string bare = capitals(name), of_residue = capitals(residue);
+  const El known = in_known_residue(bare, of_residue);
+  const El told = known != El::X ? known : of_bare_name(bare);
+  return gemmi::element_name(!residue.empty() && is_dummy(told, bare, of_residue) ? El::X : told);
 }
 
 const char* element_of_symbol(std::string_view symbol) {

@@ -34,13 +34,16 @@ enum class NamePlace : std::uint8_t { columns, word };
 // atom.is_other_ion is set ("NA" of "CL").
 // Without a symbol, or with one of no element, the names decide, and atom.element_guessed is set.
 // Virtual sites, lone pairs, dummies and alpha spheres are no atoms: atom.is_virtual is set, and
-// the element is X. `symbol` "X" is an atom whose element nobody knows; it stays X.
+// the element is X. So it is, without a symbol, with a name such as "DC1" where the residue has no
+// hydrogen "HC1" (is_deuterium_name()): a dummy of a free-energy calculation, or a Drude particle.
+// `symbol` "X" is an atom whose element nobody knows; it stays X.
 void read_element(std::string_view symbol, std::string_view name, NamePlace place,
                   std::string_view residue, AtomRecord& atom);
 
 // Decides what takes a look at the whole residue, if file.elements_in_doubt, and adds warnings
-// that count the symbols that were overruled and the ions in residues of others. Drude particles
-// become virtual: they are called as their atom with D in front and lie upon it. A name such as
+// that count the symbols that were overruled, the ions in residues of others, and what is no atom
+// because its name begins with D. Drude particles become virtual: they are called as their atom
+// with D in front and lie upon it, and no warning counts them. A name such as
 // "CA1" or "HF" in column 13 means a light element if the residue has other atoms. Where the
 // symbols of the file are the first letters of names, those of ligands are read as names too.
 void settle_elements(ParsedFile& file);
@@ -51,7 +54,8 @@ void settle_elements(ParsedFile& file);
 // correctly.
 const char* element_of_aligned_name(std::string_view four_columns, std::string_view residue);
 
-// The element from a name without blanks, for formats without fixed columns.
+// The element from a name without blanks, for formats without fixed columns. A name that begins
+// with D is of no element where the residue, if it has a name, has no such deuterium.
 const char* element_of_bare_name(std::string_view name, std::string_view residue);
 
 // The symbol in its usual spelling, without a charge: "ZN", "zn" and "Zn2+" become "Zn". Tritium is

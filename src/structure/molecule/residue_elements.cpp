@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/letters.hpp"
+#include "structure/molecule/standard_names.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -116,6 +117,56 @@ bool is_nucleotide(std::string_view residue) {
   return is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue);
 }
 
+// Where side chains have hydrogens, by the letter of the position: alpha to zeta, and H for eta.
+// Other amino acids may have them at all positions.
+using SideChain = std::pair<std::string_view, std::string_view>;
+constexpr std::array kSideChains{
+    SideChain{"ALA", "AB"},    SideChain{"ARG", "ABGDEH"}, SideChain{"ASN", "ABD"},
+    SideChain{"ASP", "ABD"},   SideChain{"ASX", "ABD"},    SideChain{"CYS", "ABG"},
+    SideChain{"GLN", "ABGE"},  SideChain{"GLU", "ABGE"},   SideChain{"GLX", "ABGE"},
+    SideChain{"GLY", "A"},     SideChain{"HIS", "ABDE"},   SideChain{"ILE", "ABGD"},
+    SideChain{"LEU", "ABGD"},  SideChain{"LYS", "ABGDEZ"}, SideChain{"MET", "ABGE"},
+    SideChain{"MSE", "ABGE"},  SideChain{"PHE", "ABDEZ"},  SideChain{"PRO", "ABGD"},
+    SideChain{"SER", "ABG"},   SideChain{"THR", "ABG"},    SideChain{"TRP", "ABDEZH"},
+    SideChain{"TYR", "ABDEH"}, SideChain{"VAL", "ABG"},
+};
+constexpr std::string_view kAllPositions = "ABGDEZH";
+
+std::string_view positions_of_hydrogens(std::string_view residue) {
+  const std::string name = standard_residue_name(residue);
+  const auto found = std::find_if(kSideChains.begin(), kSideChains.end(),
+                                  [&name](const SideChain& chain) { return chain.first == name; });
+  return found == kSideChains.end() ? kAllPositions : found->second;
+}
+
+bool are_digits(std::string_view text) {
+  return text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// Whether the text is one of the letters and perhaps digits behind it.
+bool is_letter_and_number(std::string_view text, std::string_view letters) {
+  return !text.empty() && letters.find(text[0]) != std::string_view::npos &&
+         are_digits(text.substr(1));
+}
+
+// The next three take what stands behind the H of a hydrogen's name.
+// Behind the side chain's: ends of chains, and HN of CHARMM.
+bool is_behind_h_of_amino_acid(std::string_view rest, std::string_view residue) {
+  return is_letter_and_number(rest, positions_of_hydrogens(residue)) ||
+         is_letter_and_number(rest, "NT") || rest == "XT" || rest.starts_with("OP");
+}
+
+// HA1 of NME, HH31 of ACE, HN1 of NH2, HT1 of CT3, HY1 of ACE.
+bool is_behind_h_of_end_group(std::string_view rest) { return is_letter_and_number(rest, "AHNTY"); }
+
+// H2'1, HO5', HO'2, HOP3 and HM51.
+bool is_behind_h_of_nucleotide(std::string_view rest) {
+  const bool is_of_sugar =
+      rest.find('\'') != std::string_view::npos || rest.find('*') != std::string_view::npos;
+  return is_digit(rest[0]) || rest.starts_with("OP") || rest.starts_with("M5") ||
+         (rest[0] == 'O' && is_of_sugar);
+}
+
 // Ligands of the PDB in which atom names are ambiguous. The symbol of the metal could be read as a
 // light element with a letter behind it (CO, CA, NI, CU), or the name of a light atom as a metal
 // (NA in a porphyrin).
@@ -174,6 +225,18 @@ bool is_amino_acid(std::string_view residue) {
 
 bool is_standard_residue(std::string_view residue) {
   return is_amino_acid(residue) || is_nucleotide(residue) || holds(kEndGroups, residue);
+}
+
+bool is_deuterium_name(std::string_view name, std::string_view residue) {
+  name.remove_prefix(std::min(name.find_first_not_of("0123456789"), name.size()));
+  if (!name.starts_with('D')) return false;
+  const std::string_view rest = name.substr(1);
+  const bool is_water = is_named_as_water(residue);
+  if (are_digits(rest)) return is_water || is_standard_residue(residue);
+  if (is_water) return is_letter_and_number(rest, "W");
+  if (holds(kEndGroups, residue)) return is_behind_h_of_end_group(rest);
+  if (is_amino_acid(residue)) return is_behind_h_of_amino_acid(rest, residue);
+  return is_nucleotide(residue) && is_behind_h_of_nucleotide(rest);
 }
 
 ResidueKind kind_of_residue(std::string_view residue) {

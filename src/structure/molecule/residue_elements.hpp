@@ -21,6 +21,11 @@ gemmi::El element_of_ion(std::string_view name, std::string_view residue);
 bool is_standard_residue(std::string_view residue);
 bool is_amino_acid(std::string_view residue);
 
+// Whether a name with D in front is that of a hydrogen of the residue with D for H, as deuterium
+// has it: "D", "DA", "DH11" or "2DB" of ARG, "DO5'" of DA, "D1" of DOD. Amino acids, end groups,
+// nucleotides and waters alone have known hydrogens.
+bool is_deuterium_name(std::string_view name, std::string_view residue);
+
 // What kind of molecule a residue is part of, by its name in any case: of the PDB, or of a force
 // field. Modified amino acids and nucleotides, and the caps of chains, are of the kind of their
 // chain.

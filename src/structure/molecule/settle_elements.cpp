@@ -35,9 +35,13 @@ El element_by_letters(const Site& site) {
       element_of_bare_name(site.atom->name.view(), site.place->residue->name));
 }
 
+// Whether read_element() took the atom for a dummy, by its name that begins with D alone.
+bool is_dummy_by_name(const AtomRecord& atom) { return atom.is_virtual && atom.element_guessed; }
+
 // Whether the name of a D is that of an atom with D in front, as of Drude particles and dummies.
 bool may_be_drude(const AtomRecord& atom) {
-  return atom.element == El::D && atom.name.view().size() > 1 && is_letter(atom.name.view()[1]);
+  return is_dummy_by_name(atom) ||
+         (atom.element == El::D && atom.name.view().size() > 1 && is_letter(atom.name.view()[1]));
 }
 
 // Marks the Drude particles of one residue: an atom of the name behind the D lies at their place. A
@@ -70,8 +74,11 @@ void mark_drudes(std::span<const Site> residue) {
   for (const Site& site : residue) {
     AtomRecord& atom = *site.atom;
     if (!may_be_drude(atom)) continue;
-    atom.is_virtual = (has_dummies && atom.element_guessed) || lies_on_atom(atom);
-    if (atom.is_virtual) atom.element = El::X;
+    if (lies_on_atom(atom) || (has_dummies && atom.element_guessed)) {
+      atom.is_virtual = true;
+      atom.element = El::X;
+      atom.element_guessed = false;  // place or residue say so, not the name alone
+    }
   }
 }
 
@@ -127,6 +134,17 @@ void warn_of_other_ions(const Sites& sites, ParsedFile& file) {
       first->place->residue->name, first->place->residue->seqid.str()));
 }
 
+void warn_of_dummies(const Sites& sites, ParsedFile& file) {
+  const auto is_dummy = [](const Site& site) { return is_dummy_by_name(*site.atom); };
+  const auto first = std::find_if(sites.begin(), sites.end(), is_dummy);
+  if (first == sites.end()) return;
+  file.warnings.push_back(fmt::format(
+      "{} without an element are dummies by their names, which begin with D and are of no hydrogen "
+      "of the residue: the first is {} of {} {}; with the symbol D they are deuterium",
+      std::count_if(first, sites.end(), is_dummy), first->atom->name.view(),
+      first->place->residue->name, first->place->residue->seqid.str()));
+}
+
 }  // namespace
 
 void settle_elements(ParsedFile& file) {
@@ -144,6 +162,7 @@ void settle_elements(ParsedFile& file) {
   if (names_as_symbols) read_symbols_as_names(sites);
   warn_of_overruled(sites, file);
   warn_of_other_ions(sites, file);
+  warn_of_dummies(sites, file);
 }
 
 }  // namespace vdwmesh

@@ -174,6 +174,23 @@ TEST(Elements, GuessesThatNothingRestsOnAreNotTold) {
   EXPECT_EQ(read_text_as("a.xyzr", "0 0 0 1\n").elements_guessed, 0U);
 }
 
+// "DC1" may be a dummy or deuterium: where the residue has no hydrogen HC1, it is no atom, and
+// told.
+TEST(Elements, DummiesByNameAloneAreCounted) {
+  const std::string text = record({" C1 ", "LIG", ""}, 1, "") + record({"DC1 ", "LIG", ""}, 2, "") +
+                           record({"DH2 ", "LIG", ""}, 3, "") + record({" DA ", "ALA", ""}, 4, "");
+  const Molecule molecule = read_text_as("a.pdb", text);
+  EXPECT_EQ(molecule.skipped, (SkippedAtoms{{"virtual_sites", 2}}));
+  ASSERT_EQ(molecule.atoms.size(), 2U);
+  EXPECT_EQ(molecule.atoms[1].element, "D");
+  ASSERT_EQ(molecule.warnings.size(), 1U);
+  EXPECT_THAT(molecule.warnings[0], HasSubstr("2 without an element are dummies"));
+  EXPECT_THAT(molecule.warnings[0], HasSubstr("the first is DC1 of LIG 2"));
+  const Molecule given = read_text_as("a.pdb", record({"DC1 ", "LIG", ""}, 1, "D"));
+  EXPECT_EQ(given.atoms.at(0).element, "D");
+  EXPECT_TRUE(given.warnings.empty());
+}
+
 // A Martini bead stands for some four atoms: no radius of an element would be right.
 TEST(Elements, BeadsHaveNone) {
   const std::string protein =

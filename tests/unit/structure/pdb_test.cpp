@@ -70,9 +70,9 @@ TEST(Pdb, OddChargeColumnsDoNoHarm) {
 
 TEST(Pdb, ElementsFollowFromTheAlignmentOfNames) {
   const std::vector<std::pair<std::string, std::string>> names{
-      {"CA  ", "Ca"}, {" CA ", "C"},  {"ZN  ", "Zn"}, {"1HB ", "H"},  {"HO5'", "H"},
-      {" D1 ", "D"},  {"FE  ", "Fe"}, {" C1 ", "C"},  {"CL1 ", "Cl"}, {"C210", "C"},
-      {"NH1A", "N"},  {"HG  ", "Hg"}, {" P  ", "P"},  {"SE  ", "Se"}};
+      {"CA  ", "Ca"}, {" CA ", "C"}, {"ZN  ", "Zn"}, {"1HB ", "H"}, {"HO5'", "H"},
+      {"FE  ", "Fe"}, {" C1 ", "C"}, {"CL1 ", "Cl"}, {"C210", "C"}, {"NH1A", "N"},
+      {"HG  ", "Hg"}, {" P  ", "P"}, {"SE  ", "Se"}};
   std::string text;
   std::vector<std::string> expected;
   for (const auto& [name, element] : names) {
