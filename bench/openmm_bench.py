@@ -115,7 +115,7 @@ def compare_speed(system, topology, positions, threads, seconds):
 
 
 def compare_drift(system, topology, positions, threads, picoseconds, step):
-    """Both runs in turn, a picosecond each, so that they see the same load; a line after every tenth one."""
+    """Both runs in turn, a picosecond each, so that they see the same load; a line after every fifth one."""
     with_area = copy.deepcopy(system)
     with_area.addForce(area_force(topology))
     runs = {"without": in_context(system, positions, threads, step / 1000),
@@ -131,7 +131,7 @@ def compare_drift(system, topology, positions, threads, picoseconds, step):
             for _ in range(10):
                 integrator.step(chunk)
                 energies[name].append(total_energy(context))
-        if picosecond % 10 and picosecond != picoseconds:
+        if picosecond % 5 and picosecond != picoseconds:
             continue
         for name, found in energies.items():
             times = 0.1 * np.arange(1, len(found) + 1)
