@@ -33,7 +33,8 @@ for group in "$@"; do
     witnesses)
       packages+=(python3-vtk9 assimp-utils admesh tetgen gmsh python3-gudhi voronota python3-ase python3-biopython
       python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d
-      parallel snakemake python3-dask python3-mpi4py python3-torch) ;;
+      parallel snakemake python3-dask python3-mpi4py python3-torch
+      libopenmm-dev libopenmm-plugins python3-simtk swig) ;;
     docs) packages+=(doxygen python3-markdown) ;;
     manual) packages+=(man-db groff zsh) ;;
     packages) packages+=(dpkg-dev debhelper dh-python file lintian debootstrap) ;;

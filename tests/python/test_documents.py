@@ -12,7 +12,7 @@ from program import SOURCE_DIR
 def modules():
     """All of the package that needs no other package."""
     names = sorted(path.stem for path in pathlib.Path(vdwmesh.__file__).parent.glob("*.py"))
-    names = [name for name in names if name not in ("__init__", "mdanalysis")]
+    names = [name for name in names if name not in ("__init__", "mdanalysis", "jax", "openmm")]
     return [importlib.import_module(f"vdwmesh.{name}") for name in names]
 
 

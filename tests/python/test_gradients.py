@@ -1,11 +1,13 @@
-"""vdwmesh.exact(gradient=True) and vdwmesh.torch beside references in quad precision and the program."""
+"""vdwmesh.exact(gradient=True) and vdwmesh.torch and vdwmesh.jax beside references in quad precision and the program."""
 
 import csv
+import importlib.util
+import re
 import unittest
 
 import numpy as np
 import vdwmesh
-from program import ProgramTest, need_package, need_shared
+from program import SOURCE_DIR, ProgramTest, need_package, need_shared
 
 COLUMNS = ("dA_dx", "dA_dy", "dA_dz", "dA_dr", "dV_dx", "dV_dy", "dV_dz", "dV_dr")
 BAR = 1e-10  # times 1 + the size of the reference
@@ -60,6 +62,16 @@ class GradientTest(ProgramTest):
                 vdwmesh.exact(*two, gradient=True, weights=weights)
 
 
+class PageTest(unittest.TestCase):
+    def test_the_packing_relaxes(self):
+        """The code of the page: springs and volumes balance in the end."""
+        page = (SOURCE_DIR / "docs" / "tasks" / "gradients.md").read_text()
+        code = re.search(r"^A packing that relaxes.*?```python\n(.*?)```", page, re.S | re.M)[1]
+        found = {"np": np, "vdwmesh": vdwmesh}
+        exec(compile(code, "gradients.md", "exec"), found)
+        self.assertLess(np.abs(found["slope"]).max(), 0.05)
+
+
 class TorchTest(unittest.TestCase):
     def setUp(self):
         need_package("python3-torch", module="torch")
@@ -83,6 +95,55 @@ class TorchTest(unittest.TestCase):
         self.assertEqual(coords.grad.dtype, torch.float32)
         self.assertAlmostEqual(float(coords.grad[1, 0]), 2 * np.pi, places=5)  # area is 2 pi (2 + d)
 
+    def test_loss_of_the_page(self):
+        """Two balls whose distance is d: A = 2 pi (2 + d), and V grows by pi (1 - d²/4) per d."""
+        page = (SOURCE_DIR / "docs" / "tasks" / "gradients.md").read_text()
+        code = re.search(r"^## As a loss.*?```python\n(.*?)```", page, re.S | re.M)[1].replace("probe=1.4", "probe=0")
+        given = {"coords": [[0, 0, 0], [1, 0, 0]], "radii": [1.0, 1.0], "gamma": 3.0, "pressure": 2.0}
+        exec(compile(code, "gradients.md", "exec"), given)
+        self.assertAlmostEqual(float(given["x"].grad[1, 0]), 3 * 2 * np.pi + 2 * np.pi * 0.75, places=12)
+
+
+class JaxTest(unittest.TestCase):
+    def setUp(self):
+        if importlib.util.find_spec("jax") is None:
+            self.skipTest("JAX is not installed")
+        import jax
+        import vdwmesh.jax
+
+        jax.config.update("jax_enable_x64", True)
+        self.jax, self.ours = jax, vdwmesh.jax
+        dice = np.random.default_rng(3)
+        self.atoms = dice.uniform(-2, 2, (8, 3)), dice.uniform(0.9, 1.7, 8)
+
+    def test_gradients_are_differences(self):
+        from jax.test_util import check_grads
+
+        for function in (self.ours.areas, self.ours.volumes, self.ours.measures):
+            check_grads(function, self.atoms, order=1, modes=["rev"], eps=1e-6)
+
+    def test_jit_and_vmap_change_nothing(self):
+        jax = self.jax
+        loss = lambda x, r: (self.ours.areas(x, r, probe=0.3) * self.ours.volumes(x, r, probe=0.3)).sum()  # noqa: E731
+        expected = jax.grad(loss)(*self.atoms)
+        np.testing.assert_array_equal(jax.jit(jax.grad(loss))(*self.atoms), expected)
+        twice = [np.stack([array, array]) for array in self.atoms]
+        np.testing.assert_array_equal(jax.vmap(jax.grad(loss))(*twice)[1], expected)
+
+    def test_float32(self):
+        coords, radii = np.array([[0, 0, 0], [1, 0, 0]], np.float32), np.ones(2, np.float32)
+        areas, volumes = self.ours.measures(coords, radii)
+        self.assertEqual((areas.dtype, volumes.dtype), (np.float32, np.float32))
+        slope = self.jax.grad(lambda x: self.ours.areas(x, radii).sum())(coords)
+        self.assertEqual(slope.dtype, np.float32)
+        self.assertAlmostEqual(float(slope[1, 0]), 2 * np.pi, places=5)  # area is 2 pi (2 + d)
+
+    def test_refusals(self):
+        with self.assertRaisesRegex(vdwmesh.InvalidInput, r"\(N, 3\)"):
+            self.ours.areas(np.zeros((3, 2)), np.ones(3))
+
+
+class ExcludedTest(unittest.TestCase):
     def test_excluded_surface(self):
         """Three balls: by differences, and twice the area and three times the volume by scaling."""
         coords, radii, probe = np.array([[0.0, 0, 0], [2.4, 0.3, 0], [1.1, 2.2, 0.4]]), np.array([1.7, 1.5, 1.6]), 1.4

@@ -18,7 +18,7 @@ import sys
 
 import comment_names
 
-ROOMS = ("src", "cuda", "apps", "python")
+ROOMS = ("src", "cuda", "apps", "python", "integrations")
 SUFFIXES = {".hpp", ".cuh", ".cpp", ".cu"}
 
 TOKEN = re.compile(

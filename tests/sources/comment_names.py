@@ -14,7 +14,7 @@ function() or Type::member must exist somewhere in the tree.
 
 import re
 
-FOLDERS = ("src", "cuda", "apps", "python", "tests", "bench")
+FOLDERS = ("src", "cuda", "apps", "python", "integrations", "tests", "bench")
 SUFFIXES = {".hpp", ".cuh", ".h", ".cpp", ".cu"}
 
 LEXEME = re.compile(
@@ -190,7 +190,7 @@ class Tree:
     def bare_sources(self):
         """Those of the library that do not begin with a comment; a long one says how it works."""
         for name, source in self.sources.items():
-            if name.startswith(("src/", "cuda/", "python/")) and name.endswith((".cpp", ".cu")):
+            if name.startswith(("src/", "cuda/", "python/", "integrations/")) and name.endswith((".cpp", ".cu")):
                 begin, end = source.comments[0] if source.comments else (1, 1)
                 lines = source.text.count("\n", begin, end) + 1 if begin == 0 else 0
                 needed = 2 if source.text.count("\n") > 60 else 1

@@ -14,7 +14,7 @@ import re
 import subprocess
 import sys
 
-PRODUCT = ("src", "cuda", "apps", "python")
+PRODUCT = ("src", "cuda", "apps", "python", "integrations")
 CODE = {".hpp", ".cpp", ".cuh", ".cu"}
 SCRIPTS = {".py", ".pyi", ".js", ".css", ".html"}
 # A definition; not the state of a class that its source defines (`struct Name::State`), nor a parameter of a template.

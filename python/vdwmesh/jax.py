@@ -1,0 +1,107 @@
+"""Exact areas and volumes of atoms as functions of JAX, which this module imports."""
+
+from __future__ import annotations
+
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from vdwmesh._exact import exact
+from vdwmesh.errors import InvalidInput
+
+jax: Any = import_module("jax")  # types are not checked, whether it is installed or not
+
+__all__ = ["areas", "measures", "volumes"]
+
+
+def measures(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> tuple[Any, Any]:
+    """Exact area and volume of every atom, with exact derivatives by coordinates and radii.
+
+    The host computes them in double precision, also within `jax.jit` and one after another within
+    `jax.vmap`. The backward pass measures again, with the cotangents as weights. There is neither
+    forward mode nor a second derivative, which is infinite where two circles of a sphere touch.
+    Needs JAX 0.4.34 or newer.
+
+    Parameters
+    ----------
+    coords : Array, shape (N, 3)
+        Centres, Å.
+    radii : Array, shape (N,)
+        Å.
+    probe : float
+        Added to every radius, Å.
+    threads : int, optional
+        At most so many; all cores by default.
+
+    Returns
+    -------
+    areas, volumes : Array, shape (N,)
+        Å², Å³, as of `exact`, of the type to which JAX promotes those of coordinates and radii:
+        float64 needs ``jax.config.update("jax_enable_x64", True)``.
+
+    Examples
+    --------
+    >>> import jax, vdwmesh.jax
+    >>> coords = jax.numpy.array([[0.0, 0, 0], [1, 0, 0]])
+    >>> slope = jax.grad(lambda x: vdwmesh.jax.areas(x, jax.numpy.ones(2)).sum())(coords)
+    >>> round(float(slope[1, 0]) / jax.numpy.pi, 5)  # the area is 2 pi (2 + d)
+    2.0
+    """
+    coords, radii = jax.numpy.asarray(coords), jax.numpy.asarray(radii)
+    if coords.ndim != 2 or coords.shape != (radii.size, 3) or radii.ndim != 1:
+        raise InvalidInput(f"coords, radii: have shapes {coords.shape} and {radii.shape}; (N, 3) and (N,) are needed")
+    kind = jax.numpy.result_type(coords, radii, jax.numpy.float32)
+    areas, volumes = _measures(coords.astype(kind), radii.astype(kind), float(probe), threads)
+    return areas, volumes
+
+
+def areas(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> Any:
+    """The areas of `measures`."""
+    return measures(coords, radii, probe=probe, threads=threads)[0]
+
+
+def volumes(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> Any:
+    """The volumes of `measures`."""
+    return measures(coords, radii, probe=probe, threads=threads)[1]
+
+
+def _double(*arrays: Any) -> list[Any]:
+    return [np.asarray(array, dtype=np.float64) for array in arrays]
+
+
+def _measured(probe: float, threads: int | None, coords: Any, radii: Any) -> tuple[Any, Any]:
+    union = exact(*_double(coords, radii), probe=probe, threads=threads, device="cpu")
+    return union.atom_area.astype(radii.dtype), union.atom_volume.astype(radii.dtype)
+
+
+def _pulled_back(probe: float, threads: int | None, coords: Any, radii: Any, *cotangents: Any) -> tuple[Any, Any]:
+    weights = tuple(_double(*cotangents))
+    places, sizes = _double(coords, radii)
+    found = exact(places, sizes, probe=probe, threads=threads, gradient=True, weights=weights).gradient
+    assert found is not None
+    by_coords, by_radii = found.area_coords + found.volume_coords, found.area_radii + found.volume_radii
+    return by_coords.astype(radii.dtype), by_radii.astype(radii.dtype)
+
+
+def _on_host(function: Any, like: Any, *arrays: Any) -> Any:
+    """Calls the function with arrays of NumPy; results are of the shapes and types of those in `like`."""
+    shapes = tuple(jax.ShapeDtypeStruct(array.shape, array.dtype) for array in like)
+    return jax.pure_callback(function, shapes, *arrays, vmap_method="sequential")
+
+
+def _value(coords: Any, radii: Any, probe: float, threads: int | None) -> Any:
+    return _on_host(partial(_measured, probe, threads), (radii, radii), coords, radii)
+
+
+def _forward(coords: Any, radii: Any, probe: float, threads: int | None) -> Any:
+    return _value(coords, radii, probe, threads), (coords, radii)
+
+
+def _backward(probe: float, threads: int | None, saved: Any, cotangents: Any) -> Any:
+    return _on_host(partial(_pulled_back, probe, threads), saved, *saved, *cotangents)
+
+
+_measures: Any = jax.custom_vjp(_value, nondiff_argnums=(2, 3))
+_measures.defvjp(_forward, _backward)
