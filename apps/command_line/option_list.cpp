@@ -27,11 +27,11 @@ constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kS
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare | kPockets;
 
 constexpr const char* kFormats =
-    ".pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz; - is standard input";
+    ".pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr .gro .mol2 .sdf .mol .xyz, each also .gz; - is "
+    "standard input";
 constexpr const char* kNameInput =
-    "name a structure file (.pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz), - for "
-    "standard "
-    "input, or --sample ubiquitin";
+    "name a structure file (.pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr .gro .mol2 .sdf .mol "
+    ".xyz, each also .gz), - for standard input, or --sample ubiquitin";
 
 // Selections in order; an atom may be in one of them only.
 Reader sides(ReadOptions& read) {

@@ -58,7 +58,8 @@ void settle_input(Draft& d) {
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
   refuse_if(d.verb != kBatch && std::ranges::count(d.paths, "-") > 0 &&
                 d.read.format == StructureFormat::by_extension,
-            "INPUT -: standard input needs --format pdb, mmcif, bcif, pqr or xyzr");
+            "INPUT -: standard input needs --format pdb, mmcif, bcif, pqr, xyzr, gro, mol2, sdf "
+            "or xyz");
   const std::string of_file = first_given(d, {"--format", "--units"});
   refuse_if(d.paths.empty() && !d.samples.empty() && !of_file.empty(),
             "{}: is of a file, and --sample has its own; leave it out", of_file);

@@ -263,8 +263,8 @@ void run_batch_verb(const Options& options) {
   const std::uint64_t rows = kept.rows + made;
   refuse_if(
       rows == 0 && choice.shard.count == 1,
-      "{}: holds no structures; their names end in .pdb .ent .pdbqt .cif .mmcif .bcif .pqr or "
-      ".xyzr, also with .gz, or --format says what all of them are",
+      "{}: holds no structures; their names end in .pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr "
+      ".gro .mol2 .sdf .mol or .xyz, also with .gz, or --format says what all of them are",
       inputs.size() == 1 ? inputs.front().string() : "INPUT");
   file.write("");
   if (file.is_regular() && session.machine.verbosity != Verbosity::quiet)

@@ -111,13 +111,13 @@ def read(
     hetatm: bool = True,
     units: str | None = None,
 ) -> Molecule:
-    """Read a structure file: PDB, mmCIF, BinaryCIF, PQR or XYZR, each also gzipped.
+    """Read a structure file: PDB, mmCIF, BinaryCIF, PQR, XYZR, GRO, MOL2, SDF or XYZ, each also gzipped.
 
     Parameters
     ----------
     source : path, bytes or binary file
         The file, its bytes, or an object with a method ``read`` that returns them.
-    format : {"pdb", "mmcif", "bcif", "pqr", "xyzr"}, optional
+    format : {"pdb", "mmcif", "bcif", "pqr", "xyzr", "gro", "mol2", "sdf", "xyz"}, optional
         Needed for bytes; else the extension of the name decides.
     model : str or int
         "first", "all" or the number of a model.
@@ -161,7 +161,7 @@ def read(
         name = str(getattr(source, "name", "file"))
         source = _content(source)
     if not format and name in ("bytes", "file"):
-        raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, bcif, pqr or xyzr")
+        raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, bcif, pqr, xyzr, gro, mol2, sdf or xyz")
     return _molecule(_core.read_bytes(raw(name), bytes(source), **options))
 
 

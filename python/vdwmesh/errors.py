@@ -46,7 +46,7 @@ _SWITCHES = {"--waters": "waters=True", "--no-hydrogens": "hydrogens=False", "--
 _OPTION = re.compile(
     r"(?<![\w./-])--(?:waters|no-hydrogens|no-hetatm|"
     r"(format|model|assembly|radii|select|altloc|units|probe|spacing|edge-length|threads|device)"
-    r"(?:[ =]('[^']*'|[A-Z]+\b|\d[\d.]*\b|(?:pdb|mmcif|bcif|pqr|xyzr)\b"
+    r"(?:[ =]('[^']*'|[A-Z]+\b|\d[\d.]*\b|(?:pdb|mmcif|bcif|pqr|xyzr|gro|mol2|sdf|xyz)\b"
     r"|(?:bondi|alvarez|protor|naccess|oons)\b(?:,[^\s;]+)?|(?:first|highest|nm|pm)\b))?)(?![\w-])"
 )
 

@@ -94,6 +94,11 @@ inline constexpr auto kNames<StructureFormat> =
                             {"bcif", StructureFormat::bcif},
                             {"pqr", StructureFormat::pqr},
                             {"xyzr", StructureFormat::xyzr},
+                            {"gro", StructureFormat::gro},
+                            {"mol2", StructureFormat::mol2},
+                            {"sdf", StructureFormat::sdf},
+                            {"xyz", StructureFormat::xyz},
+                            {"mol", StructureFormat::sdf},
                             {"ent", StructureFormat::pdb},
                             {"cif", StructureFormat::mmcif}});
 template <>

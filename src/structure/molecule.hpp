@@ -65,7 +65,7 @@ struct KeptAtoms {
 struct Molecule {
   std::vector<Atom> atoms;
   // `path` may be "standard input" or "sample ubiquitin"; `format` is "pdb", "mmcif", "cif" (of a
-  // small molecule), "pqr" or "xyzr".
+  // small molecule), "bcif", "pqr", "xyzr", "gro", "mol2", "sdf" or "xyz".
   std::string path, format;
   std::string model;             // the name of the model ("1"), or "all"
   std::string assembly;          // "asymmetric", or the name of an assembly in the file

@@ -1,6 +1,6 @@
 // The reader's pipeline. Each step has its own file:
 //   format (formats.cpp) -> text (text_source.cpp) -> check of the content (formats.cpp)
-//   -> one parser per format (pdb.cpp, mmcif.cpp, binary_cif.cpp, sphere_lists.cpp) -> range check
+//   -> one parser per format (pdb.cpp, mmcif.cpp, gro.cpp, sphere_lists.cpp, ...) -> range check
 //   -> choice of atoms (choose.cpp) -> copies of an assembly (expanded(), there too).
 // This file connects the steps. Radii are looked up first, because a mistyped option should be
 // reported before a large file is read.
@@ -30,6 +30,11 @@ namespace {
 // Throws if the options ask for what files of the format cannot have: it would be without effect.
 void refuse_idle_options(StructureFormat format, const ReadOptions& options,
                          const std::string& path) {
+  if ((format == StructureFormat::xyz || format == StructureFormat::sdf) &&
+      options.waters == Inclusion::keep)
+    throw InvalidInput(path +
+                       ": its atoms have no residues, so that no waters are told, and all "
+                       "are kept; leave out --waters");
   const bool nameless = format == StructureFormat::xyzr;
   if (!nameless && format != StructureFormat::pqr) return;
   if (!options.radii.empty())
@@ -59,6 +64,14 @@ ParsedFile parse(std::string_view text, StructureFormat format, const std::strin
       return parse_pqr(text, path);
     case StructureFormat::xyzr:
       return parse_xyzr(text, path);
+    case StructureFormat::gro:
+      return parse_gro(text, path, monitor);
+    case StructureFormat::mol2:
+      return parse_mol2(text, path, monitor);
+    case StructureFormat::sdf:
+      return parse_sdf(text, path, monitor);
+    case StructureFormat::xyz:
+      return parse_xyz(text, path, monitor);
     case StructureFormat::by_extension:
       break;
   }
@@ -77,8 +90,12 @@ void warn_of_unfinished_line(std::string_view text, std::vector<std::string>& wa
       "last atom with it");
 }
 
-// The unit in Å.
-double size_of(LengthUnit unit) {
+// The unit of the file in Å. Who leaves it to the format is told where that has others.
+double size_of(LengthUnit unit, StructureFormat format, std::vector<std::string>& notes) {
+  if (unit == LengthUnit::by_format && format == StructureFormat::gro) {
+    notes.push_back("coordinates of .gro are in nm, and became Å; --units says where they are not");
+    return 10;
+  }
   return unit == LengthUnit::nanometre ? 10 : unit == LengthUnit::picometre ? 0.01 : 1;
 }
 
@@ -127,7 +144,7 @@ ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   advance(options.monitor, 0);
   ParsedFile file = parse(text, format, name, limit, options.monitor);
-  scale(file, size_of(options.unit));
+  scale(file, size_of(options.unit, format, file.notes));
   settle_elements(file);
   advance(options.monitor, 0);
   check_ranges(file);

@@ -1,6 +1,6 @@
-// Reads structure files into a Molecule. Formats: PDB, mmCIF, BinaryCIF, PQR and XYZR, each also
-// gzipped, from a file or from standard input. A CIF file of a small molecule is read too, as its
-// asymmetric unit.
+// Reads structure files into a Molecule. Formats: PDB, mmCIF, BinaryCIF, PQR, XYZR, GRO, MOL2, SDF
+// and XYZ, each also gzipped, from a file or from standard input. A CIF file of a small molecule is
+// read too, as its asymmetric unit.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace vdwmesh {
 
-enum class StructureFormat { by_extension, pdb, mmcif, bcif, pqr, xyzr };
+enum class StructureFormat { by_extension, pdb, mmcif, bcif, pqr, xyzr, gro, mol2, sdf, xyz };
 
 // Reading takes up to this many times the bytes of the unpacked text: the text itself, the parsed
 // atoms and the Molecule exist at the same time. read_structure() refuses texts for which
@@ -25,8 +25,8 @@ inline constexpr std::uint64_t kReadingFactor = 12;
 enum class Inclusion { keep, drop };
 enum class SharedAtoms { to_last_group, refused };
 
-// What a coordinate of 1 in the file stands for. Formats have one of their own, Å for all that are
-// read; programs write others into them all the same.
+// What a coordinate of 1 in the file stands for. Formats have one of their own, nm for GRO and Å
+// for all others; programs write others into them all the same.
 enum class LengthUnit { by_format, angstrom, nanometre, picometre };
 
 // Which atoms are taken from the file, and which radii they get. The options drop atoms in this

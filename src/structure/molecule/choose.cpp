@@ -94,6 +94,7 @@ class Choice {
     mark_groups();
     molecule_.warnings.insert(molecule_.warnings.begin(), file_.warnings.begin(),
                               file_.warnings.end());
+    molecule_.notes.insert(molecule_.notes.begin(), file_.notes.begin(), file_.notes.end());
     if (options_.assembly == "asymmetric")
       take_asymmetric();
     else

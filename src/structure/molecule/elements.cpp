@@ -175,7 +175,7 @@ bool is_virtual(std::string_view symbol, std::string_view name, std::string_view
   if (!has_only_light_atoms(residue) || name.empty()) return false;
   constexpr std::string_view kNoLightElement = "ELMQV";
   return kNoLightElement.find(name[0]) != std::string_view::npos && name != "V" &&
-         (name.size() < 2 || two_letters(name[0], name[1]) == El::X);
+         (name.size() < 2 || name.starts_with("MN") || two_letters(name[0], name[1]) == El::X);
 }
 
 // Whether the symbol is one of two letters that begin the name, and the second letter tells the

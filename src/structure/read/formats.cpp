@@ -22,7 +22,8 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr const char* kReadable =
-    "read are .pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr, each also .gz";
+    "read are .pdb .ent .pdbqt .cif .mmcif .bcif .pqr .xyzr .gro .mol2 .sdf .mol .xyz, each also "
+    ".gz";
 
 // Extensions in lower case, each with its format.
 constexpr std::array kExtensions{
@@ -30,6 +31,9 @@ constexpr std::array kExtensions{
     std::pair{".pdbqt"sv, StructureFormat::pdb},   std::pair{".cif"sv, StructureFormat::mmcif},
     std::pair{".mmcif"sv, StructureFormat::mmcif}, std::pair{".bcif"sv, StructureFormat::bcif},
     std::pair{".pqr"sv, StructureFormat::pqr},     std::pair{".xyzr"sv, StructureFormat::xyzr},
+    std::pair{".gro"sv, StructureFormat::gro},     std::pair{".mol2"sv, StructureFormat::mol2},
+    std::pair{".sdf"sv, StructureFormat::sdf},     std::pair{".mol"sv, StructureFormat::sdf},
+    std::pair{".xyz"sv, StructureFormat::xyz},
 };
 
 // The first bytes of formats that are often mistaken for structure files, and what to do about
@@ -113,6 +117,31 @@ bool has_pdb_records(std::string_view text) {
   return false;
 }
 
+// Whether the fourth line ends with the version of a molfile, as in each molfile since 1992.
+bool is_molfile(std::string_view text) {
+  std::string_view line;
+  for (int i = 0; i < 4; ++i)
+    if (!next_line(text, line)) return false;
+  return trimmed(line).ends_with("V2000") || trimmed(line).ends_with("V3000");
+}
+
+// Throws if the text is of a format that its own words tell, and not of the one that is asked for.
+void refuse_told_format(std::string_view text, std::string_view first, StructureFormat format,
+                        const std::filesystem::path& path) {
+  // Every mmCIF file begins with a data block, "data_" and its name. No other format that is read
+  // begins like this.
+  const bool cif = first.starts_with("data_"), mol2 = first.starts_with("@<tripos>");
+  if (cif && format != StructureFormat::mmcif)
+    refuse(path, "holds mmCIF; rename it to .cif or say --format mmcif");
+  if (!cif && format == StructureFormat::mmcif)
+    refuse(path, has_pdb_records(text) ? "holds PDB; rename it to .pdb or say --format pdb"
+                                       : "is not mmCIF: it does not begin with a data_ block");
+  if (mol2 && format != StructureFormat::mol2)
+    refuse(path, "holds MOL2; rename it to .mol2 or say --format mol2");
+  if (format != StructureFormat::sdf && is_molfile(text))
+    refuse(path, "holds a molfile or SDF; rename it to .sdf or say --format sdf");
+}
+
 }  // namespace
 
 bool has_structure_extension(const std::filesystem::path& name) {
@@ -122,7 +151,8 @@ bool has_structure_extension(const std::filesystem::path& name) {
 StructureFormat format_of_name(const std::filesystem::path& path) {
   if (path == "-")
     throw InvalidInput(
-        "standard input has no extension; say --format pdb, mmcif, bcif, pqr or xyzr");
+        "standard input has no extension; say --format pdb, mmcif, bcif, pqr, xyzr, gro, mol2, sdf "
+        "or xyz");
   const std::string extension = extension_of(path);
   if (const auto format = known_format(extension)) return *format;
   if (extension == ".xtc" || extension == ".trr" || extension == ".dcd")
@@ -159,14 +189,7 @@ std::string_view checked_text(std::string_view bytes, StructureFormat format,
   if (first.empty()) refuse(path, "is empty");
   if (first[0] == '<') refuse(path, "is a web page or XML; get the file itself, as PDB or mmCIF");
   if (first[0] == '{') refuse(path, "is JSON; get the file as PDB or mmCIF");
-  // Every mmCIF file begins with a data block, "data_" and its name. No other format that is read
-  // begins like this.
-  const bool cif = first.starts_with("data_");
-  if (cif && format != StructureFormat::mmcif)
-    refuse(path, "holds mmCIF; rename it to .cif or say --format mmcif");
-  if (!cif && format == StructureFormat::mmcif)
-    refuse(path, has_pdb_records(bytes) ? "holds PDB; rename it to .pdb or say --format pdb"
-                                        : "is not mmCIF: it does not begin with a data_ block");
+  refuse_told_format(bytes, first, format, path);
   return bytes;
 }
 

@@ -56,7 +56,7 @@ struct ParsedFile {
   AssemblyTables assemblies;
   std::vector<AtomRecord> atoms;  // in the order of the file
   std::string path;               // for messages
-  std::string format;             // "pdb", "mmcif", "bcif", "cif" (small molecule), "pqr" or "xyzr"
+  std::string format;             // by Molecule::format
   bool own_radii = false;         // the file gives the radii (PQR, XYZR)
   bool coarse_grained = false;    // atoms are Martini beads: several atoms each, no elements
   // What parsers know of all atoms spares others a look at each of them: the largest absolute value
@@ -65,11 +65,12 @@ struct ParsedFile {
   bool has_labels = true;
   bool elements_in_doubt = false;     // settle_elements() has something to decide
   std::vector<std::string> warnings;  // what may be wrong with the file
+  std::vector<std::string> notes;     // what was not read, or read otherwise than it stands
 };
 
 // One parser per format. `text` is the whole file, checked by checked_text(); `path` serves the
-// messages. Each throws FileFormatError; the message is one
-// line that names the file and, if there is one, the line or row. A monitor is asked once in
+// messages. Positions are in the unit of the format. Each throws FileFormatError; the message is
+// one line that names the file and, if there is one, the line or row. A monitor is asked once in
 // kLinesPerCheck lines or rows whether to stop.
 inline constexpr std::uint32_t kLinesPerCheck = 1u << 13;
 ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
@@ -79,5 +80,9 @@ ParsedFile parse_mmcif(std::string_view text, const std::string& path, Monitor* 
 ParsedFile parse_binary_cif(std::string_view bytes, const std::string& path, std::uint64_t limit);
 ParsedFile parse_pqr(std::string_view text, const std::string& path);
 ParsedFile parse_xyzr(std::string_view text, const std::string& path);
+ParsedFile parse_gro(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
+ParsedFile parse_mol2(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
+ParsedFile parse_sdf(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
+ParsedFile parse_xyz(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

@@ -173,11 +173,12 @@ float leading_number(std::string_view field) {
 }
 
 // The symbol of an atom type of AutoDock: A is carbon, and a capital A, D or S behind N, O, S or H
-// says something of hydrogen bonds. The carbons that close rings are CG0, CG1 and so on. W is the
-// water of hydrated docking, one place for a whole molecule: no element, and no tungsten.
+// says something of hydrogen bonds. The carbons that close rings are CG0, CG1 and so on. What glues
+// them (G0), water that docks along (W) and charges about zinc (TZ) are no atoms.
 std::string_view symbol_of_autodock(std::string_view type) {
-  if (type == "W") return "X";
   if (type == "A" || type.starts_with("CG")) return "C";
+  const bool is_glue = type.starts_with('G') && (type.size() == 1 || is_digit(type[1]));
+  if (is_glue || type == "W" || type == "TZ") return "DU";
   const bool marked = type.size() == 2 && std::string_view("NOSH").find(type[0]) != type.npos &&
                       std::string_view("ADS").find(type[1]) != type.npos;
   return marked ? type.substr(0, 1) : type;

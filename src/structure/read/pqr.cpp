@@ -1,20 +1,19 @@
 // Reads PQR files: ATOM and HETATM records like those of PDB, whose last fields are charge and
 // radius (PDB2PQR, APBS). Fields are separated by blanks, but some programs write fixed columns,
 // where neighbouring fields may touch; add_pqr_record() reads both. gemmi has no parser for the
-// format. PqrBuilder creates the gemmi::Structure.
+// format.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <gemmi/model.hpp>
 #include <span>
-#include <system_error>
 #include <utility>
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
 #include "structure/molecule/elements.hpp"
+#include "structure/plain/atom_lines.hpp"
 #include "structure/read/lines.hpp"
 #include "structure/read/parsed_file.hpp"
 #include "structure/read/pdb_records.hpp"
@@ -29,81 +28,6 @@ struct PqrRow {
   double radius = 0;                 // Å
   std::string_view serial, name, residue, chain, number;
   bool hetero = false;
-};
-
-// Builds the ParsedFile atom by atom. A new chain begins when the chain id changes, and a new
-// residue when the chain, the residue's number or its name changes. Call begin_model() before the
-// first atom.
-class PqrBuilder {
- public:
-  explicit PqrBuilder(const std::string& path) {
-    file_.path = path;
-    file_.format = "pqr";
-    file_.own_radii = true;
-    file_.structure = std::make_shared<gemmi::Structure>();
-  }
-
-  void begin_model(const std::string& name) {
-    file_.structure->models.emplace_back(name);
-    chain_ = nullptr;
-  }
-
-  void add(const PqrRow& row, const char* element, std::uint32_t line) {
-    const std::uint32_t residue = residue_of(row);
-    AtomRecord& record = file_.atoms.emplace_back();
-    record.position = {row.position[0], row.position[1], row.position[2]};
-    record.name = row.name;
-    record.element = gemmi::Element(element).elem;
-    record.residue = residue;
-    record.line = line;
-    record.serial =
-        whole_number(row.serial).value_or(static_cast<std::int64_t>(file_.atoms.size()));
-    record.hetero = row.hetero;
-    record.radius = row.radius;
-    record.element_guessed = true;
-  }
-
-  std::size_t atom_count() const { return file_.atoms.size(); }
-
-  ParsedFile finish() { return std::move(file_); }
-
- private:
-  // The number of the residue that the row belongs to; begins a new one if necessary.
-  std::uint32_t residue_of(const PqrRow& row) {
-    if (!chain_ || chain_->name != row.chain) {
-      std::vector<gemmi::Chain>& chains = file_.structure->models.back().chains;
-      chains.emplace_back(std::string(row.chain));
-      chain_ = &chains.back();
-      number_.clear();
-    }
-    std::vector<gemmi::Residue>& residues = chain_->residues;
-    if (residues.empty() || number_ != row.number || residues.back().name != row.residue) {
-      number_ = row.number;
-      gemmi::Residue residue;
-      residue.name = std::string(row.residue);
-      residue.seqid = sequence_id(number_);
-      residue.het_flag = row.hetero ? 'H' : 'A';
-      residues.push_back(std::move(residue));
-      ++residues_;
-    }
-    return residues_ - 1;
-  }
-
-  // Splits "52A" into the number 52 and the insertion code A.
-  static gemmi::SeqId sequence_id(std::string_view number) {
-    gemmi::SeqId id;
-    int value = 0;
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-    if (error != std::errc()) return id;
-    id.num = value;
-    if (end != number.data() + number.size()) id.icode = *end;
-    return id;
-  }
-
-  ParsedFile file_;
-  std::uint32_t residues_ = 0;     // begun so far
-  gemmi::Chain* chain_ = nullptr;  // the current chain; null at the beginning of a model
-  std::string number_;             // of the current residue, as in the file
 };
 
 [[noreturn]] void refuse(const std::string& path, std::uint32_t line, const std::string& what) {
@@ -286,7 +210,7 @@ class PqrAccount {
 // Reads one record: ATOM serial name residue [chain] number x y z charge radius. `line` is that of
 // the file.
 void add_pqr_record(std::string_view record, std::uint32_t line, const std::string& path,
-                    PqrBuilder& builder, PqrAccount& account) {
+                    StructureBuilder& builder, PqrAccount& account) {
   static constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
   PqrRow row;
   std::vector<std::string_view> numbers;
@@ -307,7 +231,13 @@ void add_pqr_record(std::string_view record, std::uint32_t line, const std::stri
                        row.radius));
   const char* element = element_of_bare_name(row.name, row.residue);
   account.add(row, charge, element, line, std::span(numbers).subspan(5));
-  builder.add(row, element, line);
+  AtomRecord& atom = builder.add({row.chain, row.residue, row.number, row.hetero},
+                                 {row.position[0], row.position[1], row.position[2]}, line);
+  atom.name = row.name;
+  atom.element = gemmi::find_element(element);
+  atom.serial = whole_number(row.serial).value_or(atom.serial);
+  atom.radius = row.radius;
+  atom.element_guessed = true;
 }
 
 // Whether the line has an occupancy and a temperature factor in the columns of PDB, each with the
@@ -343,7 +273,8 @@ void refuse_pdb(std::string_view text, const std::string& path) {
 }  // namespace
 
 ParsedFile parse_pqr(std::string_view text, const std::string& path) {
-  PqrBuilder builder(path);
+  StructureBuilder builder(path, "pqr");
+  builder.file().own_radii = true;
   PqrAccount account(path);
   refuse_pdb(text, path);
   ModelRecords models;
@@ -360,10 +291,11 @@ ParsedFile parse_pqr(std::string_view text, const std::string& path) {
     if (models.begins_model()) builder.begin_model(models.names().back());
     add_pqr_record(line, number, path, builder, account);
   }
-  if (builder.atom_count() == 0)
+  if (builder.file().atoms.empty())
     throw FileFormatError(path + ": has no ATOM or HETATM record, so there is nothing to mesh");
   ParsedFile file = builder.finish();
   file.warnings = account.warnings();
+  file.elements_in_doubt = false;  // radii need none
   return file;
 }
 

@@ -22,6 +22,15 @@ constexpr const char* kCifHead =
     "_atom_site.label_atom_id\n_atom_site.label_comp_id\n_atom_site.label_asym_id\n"
     "_atom_site.label_seq_id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n";
 
+// What stands before and behind the records of a file, of which there are so many.
+std::string head_of(const std::string& format, std::size_t records) {
+  const std::string count = std::to_string(records) + "\n";
+  if (format == "cif") return kCifHead;
+  if (format == "gro") return "title\n" + count;
+  return format == "mol2" ? "@<TRIPOS>MOLECULE\nx\n" + count + "@<TRIPOS>ATOM\n" : "";
+}
+std::string foot_of(const std::string& format) { return format == "gro" ? " 9 9 9\n" : ""; }
+
 using Row = std::map<std::string, std::string>;  // by the name of the column
 
 // The fields of a line of CSV. A field with commas stands in quotes.
@@ -58,11 +67,14 @@ std::vector<std::vector<Row>> files_of_table() {
 
 ParsedFile parsed(const std::vector<Row>& rows) {
   const std::string format = rows.front().at("format");
-  std::string text = format == "cif" ? kCifHead : "";
+  std::string text = head_of(format, rows.size());
   for (const Row& row : rows) text += row.at("record") + "\n";
+  text += foot_of(format);
   ParsedFile file = format == "cif"    ? parse_mmcif(text, "a.cif")
                     : format == "pqr"  ? parse_pqr(text, "a.pqr")
                     : format == "xyzr" ? parse_xyzr(text, "a.xyzr")
+                    : format == "gro"  ? parse_gro(text, "a.gro")
+                    : format == "mol2" ? parse_mol2(text, "a.mol2")
                                        : parse_pdb(text, "a.pdb");
   settle_elements(file);
   return file;
