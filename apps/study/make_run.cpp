@@ -12,6 +12,7 @@
 #include "excluded/excluded_distances.hpp"
 #include "memory.hpp"
 #include "memory_plan.hpp"
+#include "steps/exact_steps.hpp"
 #include "steps/excluded_steps.hpp"
 #include "steps/stopwatch.hpp"
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "command_line/names.hpp"
+#include "steps/exact_steps.hpp"
 #include "steps/excluded_steps.hpp"
 #include "steps/stopwatch.hpp"
 #include "study/make_run.hpp"

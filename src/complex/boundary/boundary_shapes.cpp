@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "complex/boundary/arc_angle.hpp"
+#include "core/fixed_blocks.hpp"
 #include "spheres/directions.hpp"
 
 namespace vdwmesh {

@@ -17,6 +17,7 @@
 #include <span>
 #include <tuple>
 
+#include "complex/placed_balls.hpp"
 #include "complex/simplex_shape.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/order/sorted_rows.hpp"

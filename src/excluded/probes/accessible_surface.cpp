@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "core/disjoint_sets.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/monitor.hpp"
 #include "core/sum.hpp"
 #include "excluded/probes/short_arcs.hpp"

@@ -5,6 +5,7 @@
 #include "measures/certificate/simplex_terms.hpp"
 
 #include "complex/number_vector.hpp"
+#include "complex/power_triangulation.hpp"
 #include "measures/certificate/wide_interval.hpp"
 
 namespace vdwmesh::certificate {
