@@ -6,6 +6,7 @@
 #include "refine/crossings/preparation.hpp"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,8 @@
 #include "extract/field_list.hpp"
 #include "refine/crossings/part_boxes.hpp"
 #include "refine/crossings/patch_grid.hpp"
+#include "refine/crossings/patch_lanes.hpp"
+#include "refine/crossings/patch_outline.hpp"
 #include "refine/half_edges.hpp"
 #include "surface/star_fans.hpp"
 
@@ -36,6 +39,17 @@ std::uint64_t bytes_of_meshes(const MeshSize& parent, const MeshSize& size, cons
   const std::uint64_t of_parent = indexed_mesh_bytes(parent, arrays);
   if (size.triangles > o.half_edges_up_to) arrays.connectivity = Connectivity::triangles;
   return of_parent + indexed_mesh_bytes(size, arrays);
+}
+
+// Bytes that each thread keeps of the patches of the fullest cell so far (bad_moves.cpp): outline,
+// triangles and numbers of each part. Some 100 patches are in the fullest cells of crowds of balls
+// at random.
+std::uint64_t scratch_bytes(const MeshSize& patched, int subdivisions) {
+  constexpr std::uint64_t kFullCell = 112, kNumbers = 64;
+  const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
+  const std::uint64_t parts = subdivisions < 2 ? 1 : 4;
+  return threads * std::min(kFullCell, patched.triangles) * parts *
+         (sizeof(PatchOutline) + sizeof(PatchLanes) + kNumbers);
 }
 
 void check_options(const RefineOptions& o) {
@@ -229,9 +243,10 @@ std::uint64_t refine_bytes(const MeshSize& given, std::uint64_t spheres,
   const std::uint64_t chosen = patched.triangles * 2 * sizeof(std::size_t);
   const std::uint64_t copies =
       subdivisions > 0 ? 0 : size.vertices * (sizeof(Vec3d) + label_bytes(LabelWidth::three));
+  const std::uint64_t scratch = scratch_bytes(patched, subdivisions);
   const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
-  return meshes + marks + grid + fans + chosen + copies + list;
+  return meshes + marks + grid + fans + chosen + copies + scratch + list;
 }
 
 FieldModel projection_model(const RefineOptions& o) {

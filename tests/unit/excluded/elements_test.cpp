@@ -3,6 +3,8 @@
 // sets unlike them; tests/contract/excluded_measurer_test.cpp has the device itself.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -39,6 +41,17 @@ class DoubtfulExecutor : public HostExecutor {
                                           std::size_t sets) const {
     auto [first, other, owner, entries] = HostExecutor::overlaps(balls, set, sets);
     return {std::move(first), std::move(other), std::move(owner), entries};
+  }
+};
+
+// An executor that finds as many pairs of overlapping balls as 32 bits number, and one more.
+class CrowdedExecutor : public HostExecutor {
+ public:
+  OverlapLists<CrowdedExecutor> overlaps(const std::vector<Sphere>& balls,
+                                         const std::vector<std::uint32_t>& set,
+                                         std::size_t sets) const {
+    auto [first, other, owner, entries] = HostExecutor::overlaps(balls, set, sets);
+    return {std::move(first), std::move(other), std::move(owner), std::uint64_t{1} << 32};
   }
 };
 
@@ -183,6 +196,38 @@ TEST(Elements, AreDecidedFromTheirOwnSet) {
     offsets.push_back(atoms.size());
   }
   expect_same(by_elements<DoubtfulExecutor>(atoms, offsets, 1.4), expected_of(atoms, offsets, 1.4));
+}
+
+// The numbers of pairs have 32 bits: a batch with more is refused, before anything is made of them.
+TEST(Elements, OfMorePairsThanAreNumberedAreRefused) {
+  const std::vector<Sphere> atoms{{{0, 0, 0}, 1.5}, {{2, 0, 0}, 1.5}};
+  try {
+    by_elements<CrowdedExecutor>(atoms, {}, 1.4);
+    FAIL() << "was measured";
+  } catch (const DeviceMemoryExceeded& error) {
+    EXPECT_EQ(std::string(error.what()).find("4294967296 pairs of overlapping balls"), 0u)
+        << error.what();
+  }
+}
+
+// Three atoms whose probes touch the plane of their centres, one on each side of it and in the
+// other one. Low probes of other sets lie at nearly the same places, and cut nothing of these.
+TEST(Elements, LowProbesAreCutByThoseOfTheirOwnSet) {
+  std::vector<Sphere> atoms;
+  std::vector<std::size_t> offsets{0};
+  const double sides[] = {4.7, 4.6, 4.8, 4.65};  // Å; a probe of 1.4 Å is low from 4.4 to 5.02 Å
+  for (const double side : sides) {
+    for (int i = 0; i < 3; ++i) {
+      const double turn = 2 * std::numbers::pi * i / 3, radius = side / std::numbers::sqrt3;
+      atoms.push_back({{radius * std::cos(turn), radius * std::sin(turn), 0.1 * side}, 1.5});
+    }
+    offsets.push_back(atoms.size());
+  }
+  const ExcludedBatch found = by_elements(atoms, offsets, 1.4);
+  for (const auto& totals : found.totals) EXPECT_EQ(totals.counts.low_probes, 2u);
+  EXPECT_EQ(found.host_sets, 0u);
+  EXPECT_EQ(found.host_patches, 0u);
+  expect_same(found, expected_of(atoms, offsets, 1.4));
 }
 
 }  // namespace

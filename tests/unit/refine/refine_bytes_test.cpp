@@ -2,6 +2,8 @@
 // this program count what they give.
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <cstddef>
@@ -10,6 +12,7 @@
 #include <limits>
 #include <new>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -115,15 +118,45 @@ void expect_bounds(const SphereSet& spheres, const IndexedMesh& mesh, int subdiv
   }
 }
 
+// With as many threads as machines have, or more than this one.
 TEST(RefineBytes, AreWhatIsTakenAtMost) {
+  const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 16);
   const SphereSet spheres = crowd();
   const IndexedMesh mesh = marching_cubes(spheres);
   // What the first call takes for good is not the refinement's.
   most_bytes(spheres, mesh, {});
-  for (const int subdivisions : {0, 1, 2}) {
-    for (const Projection projection : {Projection::none, Projection::vdw}) {
-      expect_bounds(spheres, mesh, subdivisions, projection);
-    }
+  for (const int threads : {1, 2, 16}) {
+    SCOPED_TRACE(std::to_string(threads) + " threads");
+    tbb::task_arena(threads).execute([&] {
+      for (const int subdivisions : {0, 1, 2}) {
+        for (const Projection projection : {Projection::none, Projection::vdw}) {
+          expect_bounds(spheres, mesh, subdivisions, projection);
+        }
+      }
+    });
+  }
+}
+
+// A thread of its own looks at all cells, so it keeps what any thread may keep.
+TEST(RefineBytes, CountWhatEachThreadKeeps) {
+  const SphereSet spheres = crowd();
+  const IndexedMesh mesh = marching_cubes(spheres);
+  most_bytes(spheres, mesh, {});
+  for (const int subdivisions : {1, 2}) {  // without any, nothing moves
+    const RefineOptions options = options_of(subdivisions, Projection::vdw, Normals::none, 0);
+    const auto bytes_with = [&](int threads) {
+      const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 16);
+      return tbb::task_arena(threads).execute(
+          [&] { return refine_bytes(size_of(mesh), spheres.size(), options); });
+    };
+    std::int64_t kept = 0;
+    std::thread([&] {
+      const std::int64_t before = taken;
+      tbb::task_arena(1).execute([&] { most_bytes(spheres, mesh, options); });
+      kept = taken - before;
+    }).join();
+    EXPECT_GT(kept, 1000) << "nothing is kept";
+    EXPECT_LE(kept, static_cast<std::int64_t>(bytes_with(16) - bytes_with(15))) << subdivisions;
   }
 }
 
