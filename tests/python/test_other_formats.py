@@ -139,7 +139,7 @@ class SameMolecule(FormatsTest):
     def test_batch_takes_all_of_a_folder(self):
         for name in WRITERS:
             self.write(name)
-        areas = [row["area"] for row in vdwmesh.batch(self.folder)]
+        areas = [row.area for row in vdwmesh.batch(self.folder)]
         self.assertEqual(len(areas), len(WRITERS))
         np.testing.assert_allclose(areas, vdwmesh.exact(self.molecule).area, rtol=EQUAL)
 
