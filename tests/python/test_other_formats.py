@@ -40,7 +40,7 @@ def write_mol2(molecule):
     chains = dict(zip(molecule.resids, zip(molecule.resnames, molecule.chains)))
     parts = [f"{i} {name}{i} 1 RESIDUE 1 {chain} {name} 0" for i, (name, chain) in chains.items()]
     return "\n".join(["@<TRIPOS>MOLECULE", "made for a test", f"{len(atoms)} 0 {len(parts)} 0 0", "PROTEIN",
-                      "NO_CHARGES", "", "@<TRIPOS>ATOM", *atoms, "@<TRIPOS>SUBSTRUCTURE", *parts, ""])  # fmt: skip
+                      "USER_CHARGES", "", "@<TRIPOS>ATOM", *atoms, "@<TRIPOS>SUBSTRUCTURE", *parts, ""])  # fmt: skip
 
 
 def write_v2000(molecule):
@@ -135,12 +135,11 @@ class SameMolecule(FormatsTest):
                 self.assertEqual(vdwmesh.read(packed), plain)
                 form = {"pdbqt": "pdb", "mol": "sdf"}.get(path.suffix[1:], path.suffix[1:])
                 self.assertEqual(vdwmesh.read(path.read_bytes(), format=form), plain)
-                self.assertEqual(vdwmesh.exact(path).area, vdwmesh.exact(plain).area)
 
     def test_batch_takes_all_of_a_folder(self):
         for name in WRITERS:
             self.write(name)
-        areas = [row["area"] for row in vdwmesh.batch(self.folder)]
+        areas = [row.area for row in vdwmesh.batch(self.folder)]
         self.assertEqual(len(areas), len(WRITERS))
         np.testing.assert_allclose(areas, vdwmesh.exact(self.molecule).area, rtol=EQUAL)
 

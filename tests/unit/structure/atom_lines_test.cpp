@@ -345,7 +345,7 @@ std::vector<Damaged> damaged_files() {
       {"a.mol", changed(kMolfile, "  2  1  0", "  1  1  0"), "a.mol:6: bond 1 of 1 should stand"},
       {"a.mol", changed(kMolfile, "  1  2  1  0", "  1  3  1  0"), "between two of 2 atoms"},
       {"a.mol", changed(kMolfile, "  2  1  0", "  two  0"), "stands where the number of atoms"},
-      {"a.mol", kMolfile.substr(0, 150), "ends behind line 5, where atom 2 of 2"},
+      {"a.mol", kMolfile.substr(0, 130), "ends behind line 5, where atom 2 of 2"},
       {"a.mol", changed(kMolfile, "Cl ", "CA "), "a.mol:6: 'CA' may be the element Ca"},
       {"a.mol", changed(kMolfile, "Cl ", "CB "), "a.mol:6: 'CB' is no symbol"},
       {"a.mol", changed(kV3000, "COUNTS 2", "COUNTS 3"), "with 2 atoms, of which COUNTS says 3"},
