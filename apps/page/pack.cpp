@@ -1,6 +1,6 @@
-// Packs bytes for the page of a study: compressed by zlib, then in base64, which has no character
+// Packs bytes for a page: compressed by zlib, then in base64, which has no character
 // that is special in HTML. Browsers have decoders of both, so the page needs none of its own.
-#include "study/pack.hpp"
+#include "page/pack.hpp"
 
 #include <zlib.h>
 
