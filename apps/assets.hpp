@@ -1,4 +1,4 @@
-// Files that are part of the program: the page of a study and the libraries it needs.
+// Files that are part of the program: those of its pages, and the libraries that these need.
 #pragma once
 
 #include <string_view>

@@ -36,6 +36,8 @@ constexpr double kTrianglesOfCurves = 32;
 constexpr double kExactShareOfRemeshed = 0.9;
 // By what factor a bound on the angles adds triangles, at most.
 constexpr double kMoreForAngles = 1.3;
+// Of a mesh in a page, per triangle: its arrays as bytes, packed, as text, and in the page.
+constexpr std::uint64_t kPageBytes = 160;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
 
 // The number of triangles before any of them is made, from the area of the surface and the size of
@@ -110,6 +112,7 @@ class Estimate {
     if (mesh.triangles > 0 && d_.measures == Switch::on) {
       look_at(mesh, held + beside_measures(mesh));
     }
+    if (d_.page == Switch::on) take("page", held + kPageBytes * mesh.triangles);
     if (d_.exact) take("exact union", held + union_bytes(d_.spheres, *d_.exact, d_.exposed));
     if (d_.distances == Switch::on) {
       take("distances", held + union_result() + distances_bytes(mesh, d_.spheres));
@@ -332,6 +335,22 @@ std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres
   fill_in(spheres, demand);
   if (demand.beside == Switch::on && !fits(demand, limit)) demand.beside = Switch::off;
   return check_memory(demand, limit);
+}
+
+SurfaceOptions with_few_triangles(const SurfaceOptions& surface, const SphereSet& spheres,
+                                  std::uint64_t most_triangles) {
+  constexpr double kGrain = 1.05, kLongest = 1.4;  // Å
+  MemoryDemand demand;
+  demand.surface = surface;
+  fill_in(spheres, demand);
+  while (first_level(demand).triangles > most_triangles) {
+    if (demand.surface->mesher == Mesher::exact && demand.surface->edge_length > kLongest) {
+      demand.surface->mesher = Mesher::marching_cubes;
+      demand.surface->grid.spacing = surface.edge_length.value();
+    }
+    demand = scaled(demand, kGrain);
+  }
+  return *demand.surface;
 }
 
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,

@@ -34,6 +34,7 @@ struct MemoryDemand {
   CgalCheck cgal_check = CgalCheck::skip;
   std::optional<UnionMethod> exact;  // empty: no exact union
   Switch distances = Switch::off;
+  Switch page = Switch::off;  // the mesh is written into a page
 };
 
 // The method whose memory the exact measures take. A certificate and the excluded surface need the
@@ -65,6 +66,12 @@ std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit);
 // mesh is made or memory is scarce. Switches `beside` off if it would need too much.
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit);
+
+// The surface with the shortest edges, from those it has on, of which there are at most so many
+// triangles by the estimate. Where arcs alone make more, the mesher is marching cubes.
+// Precondition: the surface is the boundary of the spheres, to be meshed along the creases.
+SurfaceOptions with_few_triangles(const SurfaceOptions& surface, const SphereSet& spheres,
+                                  std::uint64_t most_triangles);
 
 // check_memory() for the stages that follow a mesh that has been made. Switches `beside` off if it
 // would need too much.

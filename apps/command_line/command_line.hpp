@@ -1,6 +1,7 @@
 // The command line, read and checked: which verb is to run, with which options.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,12 @@
 #include "verbs/verbs.hpp"
 
 namespace vdwmesh::apps {
+
+// The page of a structure.
+struct ViewChoice {
+  std::string path;
+  std::uint64_t most_triangles = 500'000;
+};
 
 // The options of all verbs. A verb finds its own filled in, and the others as they are here.
 struct Options {
@@ -29,6 +36,7 @@ struct Options {
   StudyOptions study;
   BatchChoice batch;
   PocketMeasures pocket_measures = PocketMeasures::exact;
+  ViewChoice view;
 };
 
 struct Command {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr VerbSet kRanks = kRanksMesh | kRanksExact;
 constexpr VerbSet kOneInput =
-    kMesh | kReport | kExact | kInterface | kCompare | kRender | kPockets | kRanks;
+    kMesh | kReport | kExact | kInterface | kCompare | kRender | kPockets | kView | kRanks;
 constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
 constexpr VerbSet kStructures = kInputs | kBatch;
 constexpr VerbSet kOneSurface = kMesh | kReport | kRender;
@@ -23,7 +23,7 @@ constexpr VerbSet kSurfaces = kOneSurface | kBatch;  // with --verb report
 constexpr VerbSet kGrids = kSurfaces | kRanksMesh;   // marching cubes
 constexpr VerbSet kDistances = kReport | kCompare | kStudy | kBatch;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
-constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kStudy;
+constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kStudy | kView;
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare | kPockets;
 
 constexpr const char* kFormats =
@@ -365,6 +365,8 @@ std::vector<Option> output_options(Draft& d) {
        required("name the mesh file to write (.ply .vtkhdf)")},
       {"-o,--output", kRender, one(o.picture.path, text("FILE"), Use::writes), "the picture: .png",
        required("name the picture to write (.png)")},
+      {"-o,--output", kView, one(o.view.path, text("FILE"), Use::writes), "the page: .html",
+       required("name the page to write (.html)")},
       {"-o,--output", kStudy, one(o.study.folder, text("FOLDER")),
        "gets study.csv, study.json and index.html",
        required("name the folder that the study is written to")},
@@ -386,6 +388,9 @@ std::vector<Option> output_options(Draft& d) {
       {"--page-triangles", kStudy,
        one(o.study.page_triangles, whole<std::uint64_t>(0, 100'000'000)),
        "most triangles of all meshes shown on the page", by_default("1000000")},
+      {"--page-triangles", kView,
+       one(o.view.most_triangles, whole<std::uint64_t>(1'000, 100'000'000)),
+       "most triangles of the surface on the page, where as few can mesh it", by_default("500000")},
       {"--json", kReports | kInterface | kInfo | kRanks,
        one(o.output.json, text("FILE"), Use::writes), "the report as JSON; - is standard output"},
       {"--per-atom", kReport, one(o.output.per_atom, text("FILE"), Use::writes),

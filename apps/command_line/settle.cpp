@@ -35,7 +35,7 @@ bool is_given(const Draft& d, const char* name) { return !first_given(d, {name})
 // Where every process arranges all balls, marching cubes are usual; verbs that make no mesh of one
 // mesher have them too.
 void settle_mesh(Draft& d) {
-  constexpr VerbSet of_either = kMesh | kReport | kRender | kBatch;
+  constexpr VerbSet of_either = kMesh | kReport | kRender | kBatch | kView;
   MeshRequest& m = d.mesh;
   m.surface = d.measure.surface;
   if (!(d.verb & of_either)) m.usual_mesher = Mesher::marching_cubes;
@@ -216,6 +216,13 @@ void settle_output(const Draft& d) {
             "--group: says how --per-atom FILE is grouped; add that or --depth FILE");
 }
 
+void settle_view(const Draft& d) {
+  const std::filesystem::path path = d.options.view.path;
+  const std::string extension = lower_case(path.extension().string());
+  refuse_if(d.verb == kView && extension != ".html" && extension != ".htm",
+            "-o {}: a page is HTML; name a .html file", path.string());
+}
+
 // Where nothing can draw, that is said before any work.
 void settle_picture(const Draft& d) {
   const std::filesystem::path path = d.options.picture.path;
@@ -331,6 +338,7 @@ void settle(Draft& d) {
   settle_distances(d);
   settle_machine(d);
   settle_output(d);
+  settle_view(d);
   settle_render(d);
   settle_picture(d);
   settle_study(d);

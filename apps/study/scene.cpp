@@ -1,6 +1,5 @@
 // Makes the meshes of the page anew and packs them: positions in 16 bits of their box, what colours
-// show in 8. Numbers of one place value stand together, each less the one before it, because the
-// page is packed, and differences of neighbours pack better than the numbers.
+// show in 8.
 #include "study/scene.hpp"
 
 #include <fmt/format.h>
@@ -17,6 +16,7 @@
 #include "core/errors.hpp"
 #include "memory_plan.hpp"
 #include "mesh/element_color.hpp"
+#include "page/packed_mesh.hpp"
 #include "report/json_text.hpp"
 #include "spheres/box.hpp"
 #include "steps/exact_steps.hpp"
@@ -28,43 +28,7 @@ namespace vdwmesh::apps {
 namespace {
 
 constexpr std::uint64_t kSceneTriangles = 200'000;
-constexpr double kMaxPosition = 65535;  // 16 bits
 constexpr double kMaxByte = 255;
-
-// The low bytes of all values, then the next ones, and so on: equal high bytes stand together and
-// pack well. Each value is less the one before it, modulo its width.
-template <class T>
-void append_planes(const std::vector<T>& values, std::string& bytes) {
-  for (std::size_t plane = 0; plane < sizeof(T); ++plane) {
-    T last = 0;
-    for (const T value : values) {
-      bytes += static_cast<char>(static_cast<T>(value - last) >> (8 * plane) & 0xff);
-      last = value;
-    }
-  }
-}
-
-// Sixteen bits of the box are finer than a pixel of the page.
-void append_positions(const IndexedMesh& mesh, const Box& box, std::string& bytes) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const double extent = box.upper[axis] - box.lower[axis];
-    const double scale = extent > 0 ? kMaxPosition / extent : 0;
-    std::vector<std::uint16_t> values;
-    values.reserve(mesh.vertex_count());
-    for (const Vec3d& p : mesh.positions) {
-      values.push_back(
-          static_cast<std::uint16_t>(std::lround((p[axis] - box.lower[axis]) * scale)));
-    }
-    append_planes(values, bytes);
-  }
-}
-
-void append_triangles(const IndexedMesh& mesh, std::string& bytes) {
-  std::vector<std::uint32_t> corners;
-  corners.reserve(3 * mesh.triangle_count());
-  for (const Triangle& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
-  append_planes(corners, bytes);
-}
 
 // The number of each vertex's element in the list of elements returned.
 std::vector<std::string> append_elements(const IndexedMesh& mesh, const Molecule& molecule,
@@ -115,22 +79,18 @@ StudyScene make_scene(const Study& study, std::size_t input, const StudySetting&
   session.machine.backend = value_named<Backend>("backend", setting.key.backend);
   session.report.excluded = of.excluded;
   const IndexedMesh mesh = mesh_anew(of, surface_options(setting, study.options.surface), session);
-  const Box box = box_around(mesh.positions);
   // Vertices lie on the surface; what is wrong is what the triangles between them cut off.
   const std::vector<float> distances = measure_centers(mesh, of.atoms, session);
   const double range = distance_range(distances);
   StudyScene scene{input, setting, {}, {}};
-  append_positions(mesh, box, scene.bytes);
-  append_triangles(mesh, scene.bytes);
+  const Box box = append_mesh(mesh, scene.bytes);
   const std::vector<std::string> elements =
       append_elements(mesh, of.structure.molecule, scene.bytes);
   append_bytes(distances, -range, range, scene.bytes);
   append_bytes(min_angles_deg(mesh), 0, 60, scene.bytes);
   JsonText json(JsonText::Layout::compact);
   json("input", input), json("parameters", setting);
-  json("vertices", mesh.vertex_count()), json("triangles", mesh.triangle_count());
-  json("lower", std::vector{box.lower.x, box.lower.y, box.lower.z});
-  json("upper", std::vector{box.upper.x, box.upper.y, box.upper.z});
+  describe_packed(json, mesh, box);
   json.list("elements", elements, [&](const std::string& element) {
     const auto color = element_color(element);
     json("element", element), json("color", std::vector<int>(color.begin(), color.end()));

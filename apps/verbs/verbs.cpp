@@ -23,6 +23,8 @@ const Verb kVerbs[] = {
      "figures of many structures, exact or of meshes too, a row of JSON or CSV for each",
      run_batch_verb},
     {kPockets, "pockets", "pockets, channels and voids with their mouths, exactly", run_pockets},
+    {kView, "view", "a page that shows a structure: surface, pockets, interfaces, exact figures",
+     run_view},
     {kInfo, "info", "version, build, backends, devices", run_info}};
 
 }  // namespace

@@ -13,7 +13,8 @@ struct Options;
 // Sets of verbs, as sums: which ones take an option.
 using VerbSet = unsigned;
 inline constexpr VerbSet kMesh = 1, kReport = 2, kExact = 4, kCompare = 8, kRender = 16,
-                         kStudy = 32, kInfo = 64, kBatch = 128, kInterface = 1024, kPockets = 2048;
+                         kStudy = 32, kInfo = 64, kBatch = 128, kInterface = 1024, kPockets = 2048,
+                         kView = 4096;
 // Of vdwmesh-mpi, which has fewer options for the same.
 inline constexpr VerbSet kRanksMesh = 256, kRanksExact = 512;
 
@@ -45,6 +46,7 @@ void run_render(const Options& options);
 void run_study(const Options& options);
 void run_batch_verb(const Options& options);
 void run_pockets(const Options& options);
+void run_view(const Options& options);
 void run_info(const Options& options);
 
 }  // namespace vdwmesh::apps

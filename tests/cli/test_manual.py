@@ -10,7 +10,7 @@ import time
 from program import SOURCE_DIR, ProgramTest, need_package, run
 
 MANUAL = pathlib.Path(os.environ["VDWMESH_MANUAL_DIR"])
-VERBS = ("mesh", "report", "exact", "interface", "compare", "render", "study", "batch", "pockets", "info")
+VERBS = ("mesh", "report", "exact", "interface", "compare", "render", "study", "batch", "pockets", "view", "info")
 RANKS_VERBS = ("mesh", "exact")
 PLAIN_TEXT = {"LC_ALL": "C.UTF-8", "MANWIDTH": "2000", "PATH": os.environ["PATH"]}
 

@@ -18,7 +18,7 @@ import program
 from program import NO_BACKEND, PROGRAM, UNSEEN, ProgramTest, missing, run
 
 TABLE = pathlib.Path(__file__).with_name("option_pairs.csv")
-VERBS = ("mesh", "report", "exact", "interface", "compare", "render", "study", "batch", "pockets", "info")
+VERBS = ("mesh", "report", "exact", "interface", "compare", "render", "study", "batch", "pockets", "view", "info")
 BASE = {
     "mesh": "in.pdb -o out.ply",
     "report": "in.pdb --json figures.json",
@@ -29,6 +29,7 @@ BASE = {
     "study": "in.pdb -o out --spacing 1 --field vdw --edge-length 1 --subdivide 0",
     "batch": "in.pdb",
     "pockets": "cage.pdb --json figures.json",
+    "view": "cage.pdb -o page.html",
     "info": "",
 }
 # Of a report: the figures, without what echoes the command line and what a clock or a machine says.

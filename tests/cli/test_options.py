@@ -286,7 +286,7 @@ class Limits(ProgramTest):
 class Documentation(ProgramTest):
     def test_every_option_is_in_the_table(self):
         table = (SOURCE_DIR / "docs" / "options.md").read_text()
-        verbs = ("mesh", "report", "exact", "interface", "compare", "study", "render", "batch", "pockets", "info")
+        verbs = ("mesh", "report", "exact", "interface", "compare", "study", "render", "batch", "pockets", "view", "info")
         helps = [run(*verb.split(), "--help-all").stdout for verb in verbs]
         told = {o for text in helps for o in re.findall(r"--[a-z-]+", text)}
         told = told - {"--help"} | {"--help-all"} | UNSEEN

@@ -37,7 +37,7 @@ COLUMNS = ["index", "file", "line", "was", "became", "outcome", "by", "seconds"]
 # ctest's names of the tests that can notice a broken line of a room, the quick ones first.
 PROGRAM = ["cli.options", "cli.per_atom", "cli.report", "cli.surfaces", "cli.meshes", "cli.files", "cli.render",
            "cli.words", "cli.exact_mesher", "cli.excluded", "cli.interface", "cli.pockets", "cli.batch", "cli.foreign",
-           "cli.study", "cli.page", "cli.bench", "cli.memory", "cli.signals", "cli.bad_places", "cli.repeatable",
+           "cli.study", "cli.page", "cli.view", "cli.bench", "cli.memory", "cli.signals", "cli.bad_places", "cli.repeatable",
            "cli.bad_files"]
 TESTS = {
     "core": ["core_test", "spheres_test", "unit_extract", "test_mesh_measures", "refine_test", "arrangement_union_test",

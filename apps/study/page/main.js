@@ -22,10 +22,6 @@ const sizes = [
 
 const state = { study: null, scenes: [], read: new Map(), viewer: null };
 
-function byId(id) {
-  return document.getElementById(id);
-}
-
 function currentInput() {
   return state.study.inputs[Number(byId("molecule").value)];
 }
@@ -195,7 +191,7 @@ async function drawScene() {
 // A browser without WebGL still gets everything else.
 function makeViewer() {
   try {
-    state.viewer = new Viewer(byId("view"), byId("colorbar"));
+    state.viewer = new MeshViewer(byId("view"), byId("colorbar"));
   } catch (error) {
     const text = document.createElement("p");
     text.className = "error";

@@ -1,9 +1,7 @@
 "use strict";
-// The mesh in 3D.
+// A surface in 3D, which mouse, fingers and keys turn.
 
-const coolWarm = [[59, 76, 192], [124, 159, 249], [192, 212, 245], [221, 221, 221], [242, 203, 183],
-  [238, 132, 104], [180, 4, 38]];
-
+// Colours between stops, (r, g, b) from 0 to 255, for numbers from 0 to 1.
 function colorRamp(stops) {
   return (t) => {
     const place = Math.min(Math.max(t, 0), 1) * (stops.length - 1);
@@ -12,19 +10,8 @@ function colorRamp(stops) {
   };
 }
 
-function schemeRamp(name) {
-  const interpolate = vega.scheme(name);
-  const stops = [];
-  for (let i = 0; i <= 32; ++i) {
-    const color = new THREE.Color(interpolate(i / 32));
-    stops.push([255 * color.r, 255 * color.g, 255 * color.b]);
-  }
-  return colorRamp(stops);
-}
-
 // Triangles of their own corners: positions, smooth normals, and a place for colours.
-function buildGeometry(scene) {
-  const { points, corners } = scene;
+function buildGeometry({ points, corners }) {
   const shared = new THREE.BufferGeometry();
   shared.setAttribute("position", new THREE.BufferAttribute(points, 3));
   shared.setIndex(new THREE.BufferAttribute(corners, 1));
@@ -36,57 +23,9 @@ function buildGeometry(scene) {
   return geometry;
 }
 
-function colorGeometry(scene, geometry, coloring) {
-  const colors = geometry.getAttribute("color");
-  const ramp = coloring === "distance" ? colorRamp(coolWarm) : schemeRamp("viridis");
-  const values = coloring === "distance" ? scene.distances : scene.angles;
-  const table = [];
-  for (let i = 0; i < 256; ++i) table.push(ramp(i / 255));
-  const elements = scene.description.elements.map((e) => e.color);
-  for (let corner = 0; corner < scene.corners.length; ++corner) {
-    const color = coloring === "atom" ? elements[scene.elements[scene.corners[corner]]]
-      : table[values[Math.floor(corner / 3)]];
-    colors.array.set(color, 3 * corner);
-  }
-  colors.needsUpdate = true;
-  return ramp;
-}
-
-function drawColorbar(element, scene, coloring, ramp) {
-  element.replaceChildren();
-  if (coloring === "atom") {
-    for (const { element: symbol, color } of scene.description.elements) {
-      const swatch = document.createElement("span");
-      swatch.className = "swatch";
-      swatch.style.background = `rgb(${color.join(",")})`;
-      element.append(swatch, symbol);
-    }
-    return;
-  }
-  const canvas = document.createElement("canvas");
-  canvas.width = 256;
-  canvas.height = 1;
-  const context = canvas.getContext("2d");
-  for (let i = 0; i < 256; ++i) {
-    context.fillStyle = `rgb(${ramp(i / 255).map(Math.round).join(",")})`;
-    context.fillRect(i, 0, 1, 1);
-  }
-  const ticks = document.createElement("div");
-  ticks.className = "ticks";
-  const range = scene.description.distance_range;
-  const labels = coloring === "angle" ? ["0°", "15°", "30°", "45°", "60°"]
-    : [`≤ −${range.toPrecision(2)} Å, inside`, "0", `outside, ≥ ${range.toPrecision(2)} Å`];
-  for (const label of labels) {
-    const tick = document.createElement("span");
-    tick.textContent = label;
-    ticks.appendChild(tick);
-  }
-  element.append(canvas, ticks);
-}
-
 class Viewer {
-  constructor(element, colorbar) {
-    this.colorbar = colorbar;
+  // `label` is read out to people who do not see it.
+  constructor(element, label) {
     this.element = element;
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
     this.renderer.setPixelRatio(window.devicePixelRatio);
@@ -101,16 +40,17 @@ class Viewer {
     this.world.add(this.camera);
     this.material = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors });
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.enableKeys = false;  // its arrow keys would move what ours turn
     this.controls.addEventListener("change", () => this.render());
-    this.listenToKeys(this.renderer.domElement);
+    this.listenToKeys(this.renderer.domElement, label);
     window.addEventListener("resize", () => this.resize());
   }
 
   // What the mouse does, for the keyboard.
-  listenToKeys(canvas) {
+  listenToKeys(canvas, label) {
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "The mesh in 3D. Arrow keys turn it, plus and minus zoom, 0 goes back.");
+    canvas.setAttribute("aria-label", label);
     const step = Math.PI / 18;
     const moves = { ArrowLeft: [step, 0, 1], ArrowRight: [-step, 0, 1], ArrowUp: [0, step, 1], ArrowDown: [0, -step, 1],
       "+": [0, 0, 1 / 1.2], "=": [0, 0, 1 / 1.2], "-": [0, 0, 1.2] };
@@ -135,32 +75,19 @@ class Viewer {
     this.controls.update();
   }
 
-  show(scene, coloring, edges) {
-    if (this.scene !== scene) {
-      this.clear();
-      this.scene = scene;
-      this.geometry = buildGeometry(scene);
-      this.mesh = new THREE.Mesh(this.geometry, this.material);
-      this.world.add(this.mesh);
-      this.place();
-    }
-    drawColorbar(this.colorbar, scene, coloring, colorGeometry(scene, this.geometry, coloring));
-    if (edges && !this.lines) {
-      const material = new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.35 });
-      this.lines = new THREE.LineSegments(new THREE.WireframeGeometry(this.geometry), material);
-      this.world.add(this.lines);
-    }
-    if (this.lines) this.lines.visible = edges;
-    this.resize();
+  // Shows this surface in place of the one before, from the front.
+  showGeometry(geometry) {
+    this.remove(this.mesh);
+    this.geometry = geometry;
+    this.mesh = new THREE.Mesh(geometry, this.material);
+    this.world.add(this.mesh);
+    this.place();
   }
 
-  clear() {
-    for (const part of [this.mesh, this.lines]) {
-      if (!part) continue;
-      this.world.remove(part);
-      part.geometry.dispose();
-    }
-    this.lines = null;
+  remove(part) {
+    if (!part) return;
+    this.world.remove(part);
+    part.geometry.dispose();
   }
 
   place() {

@@ -27,10 +27,9 @@ function readPlanes(bytes, offset, count, width) {
   return values;
 }
 
-// Triangles that share no vertex, so that each has a colour of its own, with smooth normals.
-async function readScene(number, description) {
-  const bytes = await unpack("scene-" + number);
-  const { vertices, triangles, lower, upper } = description;
+// Positions in Å about the middle of the mesh's box, the vertices of its triangles, and where the bytes
+// behind them begin.
+function readMesh(bytes, { vertices, triangles, lower, upper }) {
   const points = new Float32Array(3 * vertices);
   let offset = 0;
   for (let axis = 0; axis < 3; ++axis) {
@@ -41,32 +40,5 @@ async function readScene(number, description) {
     for (let v = 0; v < vertices; ++v) points[3 * v + axis] = steps[v] * scale - middle;
   }
   const corners = readPlanes(bytes, offset, 3 * triangles, 4);
-  offset += 12 * triangles;
-  const elements = bytes.subarray(offset, (offset += vertices));
-  const distances = bytes.subarray(offset, (offset += triangles));
-  const angles = bytes.subarray(offset, (offset += triangles));
-  return { description, points, corners, elements, distances, angles };
-}
-
-function relative(a, b) {
-  return a === null || b === null ? null : (a - b) / b;
-}
-
-const fieldNames = { vdw: "union of spheres", blinn: "Blinn", soft: "soft object",
-  "inverse-squared": "inverse squared" };
-
-function fieldLabel(parameters) {
-  return parameters.mesher === "exact" ? "crease-exact" : fieldNames[parameters.field];
-}
-
-function wayLabel(parameters) {
-  const level = parameters.subdivide;
-  if (level === 0) return fieldLabel(parameters);
-  const target = { vdw: "onto the union", field: "onto the field", none: "not projected" };
-  return `${fieldLabel(parameters)}, ${level} × subdivided, ${target[parameters.project]}`;
-}
-
-function seriesId(parameters) {
-  return [parameters.mesher, parameters.field, parameters.project, parameters.subdivide,
-    parameters.backend].join(" ");
+  return { points, corners, offset: offset + 12 * triangles };
 }
