@@ -50,12 +50,13 @@ void settle_mesh(Draft& d) {
             s.subdivisions);
 }
 
-// The thesis took ATOM records alone.
+// The thesis took ATOM records alone, and spheres as they are.
 void settle_input(Draft& d) {
   for (const std::string& file : settle(d.read, Door::program)) d.files.add_input("--radii", file);
   const double probe = d.options.exact.probe;
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
-  d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
+  d.read.hetero_atoms =
+      d.hetero_atoms.value_or(thesis ? Inclusion::drop_where_told : Inclusion::keep);
   refuse_if(d.verb != kBatch && std::ranges::count(d.paths, "-") > 0 &&
                 d.read.format == StructureFormat::by_extension,
             "INPUT -: standard input needs --format pdb, mmcif, bcif, pqr, xyzr, gro, mol2, sdf "

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "report/json_text.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::apps {

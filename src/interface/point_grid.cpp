@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -44,6 +44,8 @@ void refuse_idle_options(StructureFormat format, const ReadOptions& options,
     throw InvalidInput(path + ": the spheres of XYZR have no names; leave out --waters");
   if (nameless && options.hydrogens == Inclusion::drop)
     throw InvalidInput(path + ": the spheres of XYZR have no elements; leave out --no-hydrogens");
+  if (nameless && options.hetero_atoms == Inclusion::drop)
+    throw InvalidInput(path + ": the spheres of XYZR have no records; leave out --no-hetatm");
 }
 
 bool listed(const std::string& text, std::initializer_list<const char*> texts) {

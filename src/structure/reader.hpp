@@ -22,7 +22,9 @@ enum class StructureFormat { by_extension, pdb, mmcif, bcif, pqr, xyzr, gro, mol
 // ReadOptions::memory_limit is too small. An atom of a BinaryCIF file counts as 40 bytes of text.
 inline constexpr std::uint64_t kReadingFactor = 12;
 
-enum class Inclusion { keep, drop };
+// drop_where_told: dropped, or kept where the format does not tell them from others, which `drop`
+// refuses.
+enum class Inclusion { keep, drop, drop_where_told };
 enum class SharedAtoms { to_last_group, refused };
 
 // What a coordinate of 1 in the file stands for. Formats have one of their own, nm for GRO and Å

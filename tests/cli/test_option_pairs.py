@@ -2,7 +2,8 @@
 
 option_pairs.csv says for each verb and option what becomes of it, and a command that shows it: `words` are given
 `beside` others to the verb on a small structure. "changes": the files and figures are others than without `words`;
-"refused": the program says why; "note": a line on standard error or in the report names the option.
+"refused": the program says why; "note": a line on standard error or in the report names the option. The structure is
+in.pdb, or that of the column `input`: spheres without names, which have nothing to choose by.
 """
 
 import csv
@@ -77,12 +78,16 @@ OCTAHEDRON = "OFF\n6 8 0\n" + "".join(
 ) + "".join(f"3 {a} {b} {c}\n" for a, b, c in ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4),
                                                 (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)))  # fmt: skip
 
+# Options that say how a structure is read and what is taken of it.
+CHOICES = ("--format", "--units", "--radii", "--model", "--assembly", "--select", "--altloc", "--waters",
+           "--no-hydrogens", "--no-hetatm", "--hetatm")  # fmt: skip
+
 
 def rows():
     with TABLE.open(newline="") as file:
         for row in csv.DictReader(file):
             for verb in row["verbs"].split():
-                yield verb, row["option"], row["beside"], row["words"], row["outcome"]
+                yield verb, row["option"], row["beside"], row["words"], row["outcome"], row["input"] or "in.pdb"
 
 
 def options_of(verb):
@@ -105,12 +110,13 @@ def content_of(path):
     return figures({k: document[k] for k in FIGURES if k in document})
 
 
-def arguments_of(verb, beside, words):
+def arguments_of(verb, beside, words, structure):
     """The words of a command. What is said beside replaces what is always said, and `words` replace both."""
     given = shlex.split(beside), shlex.split(words)
     names = [{w.split("=")[0] for w in part if w.startswith("-")} for part in given]
     out = []
-    for part, later in ((shlex.split(BASE[verb]), names[0] | names[1]), (given[0], names[1] - names[0]), (given[1], ())):
+    base = BASE[verb].replace("in.pdb", structure)
+    for part, later in ((shlex.split(base), names[0] | names[1]), (given[0], names[1] - names[0]), (given[1], ())):
         drop = False
         for word in part:
             drop = word in later if word.startswith("-") else drop and out is not None
@@ -122,12 +128,12 @@ def arguments_of(verb, beside, words):
 class Made:
     """What one command made: exit status, notes, text, and the files of its folder."""
 
-    def __init__(self, verb, beside, words):
+    def __init__(self, verb, beside, structure, words):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             self.fill(folder)
             before = {p.name for p in folder.iterdir()} - {"notes.jsonl"}
-            result = subprocess.run([PROGRAM, *arguments_of(verb, beside, words)], capture_output=True, text=True,
+            result = subprocess.run([PROGRAM, *arguments_of(verb, beside, words, structure)], capture_output=True, text=True,
                                     cwd=folder, timeout=120, check=False,
                                     env={**program.os.environ, "CUDA_VISIBLE_DEVICES": ""})  # fmt: skip
             self.status, self.error = result.returncode, result.stderr
@@ -140,6 +146,7 @@ class Made:
     def fill(folder):
         (folder / "nothing").mkdir()
         (folder / "in.pdb").write_text(STRUCTURE)
+        (folder / "in.xyzr").write_text("0 0 0 1.5\n1.5 0 0 1.7\n2 1.4 0 1.2\n")
         (folder / "cage.pdb").write_text(CAGE)
         (folder / "sphere.off").write_text(OCTAHEDRON)
         (folder / "notes.jsonl").write_text("no row\n")
@@ -154,6 +161,11 @@ class OptionPairs(ProgramTest):
         self.assertEqual(there - listed, set())
         self.assertEqual({option for _, option in there} & UNSEEN, set())
 
+    def test_every_choice_of_atoms_is_in_the_table_for_spheres(self):
+        listed = {(verb, option) for verb, option, *_, structure in rows() if structure == "in.xyzr"}
+        verbs = set(VERBS) - {"info", "interface", "pockets"}  # no structure; chains; a cage of its own
+        self.assertEqual({(v, o) for v in verbs for o in CHOICES} - listed, set())
+
     def test_help_is_short_and_help_of_all_is_not_long(self):
         shown = set()
         for verb in VERBS:
@@ -167,11 +179,16 @@ class OptionPairs(ProgramTest):
     def test_none_vanishes(self):
         all_rows = list(rows())
         with ThreadPoolExecutor(4) as pool:
-            plain = {key: pool.submit(Made, *key, "") for key in {(verb, beside) for verb, _, beside, _, _ in all_rows}}
-            made = [pool.submit(Made, verb, beside, words) for verb, _, beside, words, _ in all_rows]
-        for (verb, option, beside, words, outcome), with_it in zip(all_rows, made, strict=True):
-            with self.subTest(f"{verb} {beside} {words}"):
-                self.check(option, outcome, plain[verb, beside].result(), with_it.result())
+            keys = {(verb, beside, structure) for verb, _, beside, _, _, structure in all_rows}
+            plain = {key: pool.submit(Made, *key, "") for key in keys}
+            made = [pool.submit(Made, verb, beside, structure, words)
+                    for verb, _, beside, words, _, structure in all_rows]  # fmt: skip
+        for (verb, option, beside, words, outcome, structure), with_it in zip(all_rows, made, strict=True):
+            with self.subTest(f"{verb} {structure} {beside} {words}"):
+                without = plain[verb, beside, structure].result()
+                if structure != "in.pdb" and NO_BACKEND not in (without.status, with_it.result().status):
+                    self.assertEqual(without.status, 0, without.notes)
+                self.check(option, outcome, without, with_it.result())
 
     def check(self, option, outcome, plain, found):
         if NO_BACKEND in (plain.status, found.status) and "EGL" in found.error + plain.error:

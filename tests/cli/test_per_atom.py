@@ -85,6 +85,17 @@ class PerAtom(ProgramTest):
             with table.open(newline="") as file:
                 self.assertEqual([row["serial"] for row in csv.DictReader(file)], ["2"])
 
+    def test_neighbours_of_one_number_stay_apart(self):
+        """Two waters that both are HOH A 1: rows of their own, each with the area of a ball by itself."""
+        atom = "HETATM{0:5}  O   HOH A   1    {1:8.3f}   0.000   0.000  1.00  0.00           O  \n"
+        path, table = self.file("waters.pdb", atom.format(1, 0.0) + atom.format(2, 9.0)), self.folder / "a.csv"
+        self.run_ok("exact", path, "--waters", "--per-atom", table, "--group", "residue")
+        with table.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["atoms"] for row in rows], ["1", "1"])
+        for row in rows:
+            self.assert_close(float(row["exact_area"]), 4 * math.pi * 1.52**2, SUM)  # Bondi 1964
+
     def test_without_a_mesh_the_column_is_empty(self):
         rows, report = self.rows(verb="exact")
         self.assertEqual({row["mesh_area"] for row in rows}, {""})

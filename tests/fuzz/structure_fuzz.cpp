@@ -28,7 +28,7 @@ void read(const MemoryFile& file, ReadOptions options) {
   // Formats with radii of their own refuse others, and one without names cannot tell waters.
   const bool nameless = options.format == StructureFormat::xyzr;
   if (nameless || options.format == StructureFormat::pqr) options.radii.clear();
-  if (nameless) options.hydrogens = Inclusion::keep;
+  if (nameless) options.hydrogens = options.hetero_atoms = Inclusion::keep;
   if (nameless || options.format == StructureFormat::xyz || options.format == StructureFormat::sdf)
     options.waters = Inclusion::drop;
   allow_refusal([&] { check_molecule(read_structure(file.path(), options)); });

@@ -176,7 +176,7 @@ class Choice {
     if (options_.waters == Inclusion::drop) drop_waters();
     drop_virtual_sites();
     drop_hydrogens(table);
-    if (options_.hetero_atoms == Inclusion::drop)
+    if (options_.hetero_atoms != Inclusion::keep)
       drop("hetatm", [](const Site& site) { return site.atom->hetero; });
   }
 

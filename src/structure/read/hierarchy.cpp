@@ -12,6 +12,8 @@
 #include <tuple>
 
 #include "core/large_pages.hpp"
+#include "core/letters.hpp"
+#include "structure/molecule/residue_elements.hpp"
 
 namespace vdwmesh {
 
@@ -105,6 +107,58 @@ std::vector<std::uint32_t> first_places(const std::vector<ResiduePlace>& places)
   return firsts;
 }
 
+// Least distance of atoms of one name in two residues, Å. Places of one disordered atom are mostly
+// nearer to each other.
+constexpr double kApart = 1.5;
+
+using AtomIterator = std::vector<AtomRecord>::const_iterator;
+
+bool is_same_unlabelled(const AtomRecord& atom, const AtomRecord& other) {
+  return atom.altloc == '\0' && other.altloc == '\0' && atom.name == other.name;
+}
+
+// Whether each atom is called by its element alone, as programs do that know no names.
+bool are_called_by_element(AtomIterator first, AtomIterator last) {
+  return std::all_of(first, last, [](const AtomRecord& atom) {
+    return upper_case(atom.name.view()) == upper_case(gemmi::element_name(atom.element));
+  });
+}
+
+// Where residues begin among atoms that stand together and whose residues have one name and one
+// number: at the first, and wherever its name comes again, apart from the place that it has in the
+// residue before. Another name that comes again within a residue, but for hydrogens of water, shows
+// that names are not unique in it, or that locations have no labels; then all is one residue. So it
+// is if all atoms are called by their elements, or a residue would have one atom; water, ions and
+// traces of chains may.
+std::vector<AtomIterator> beginnings(AtomIterator first, AtomIterator last,
+                                     const std::string& residue) {
+  std::vector<AtomIterator> begins{first};
+  const auto is_as_first = [first](const AtomRecord& atom) {
+    return is_same_unlabelled(atom, *first);
+  };
+  if (first->name.size() == 0 || std::none_of(first + 1, last, is_as_first)) return begins;
+  const std::string name = upper_case(residue);
+  const bool is_water = water_name(name) != WaterName::none;
+  const std::string leader = upper_case(first->name.view());
+  const bool may_be_single = is_water || element_of_ion(leader, name) != gemmi::El::X ||
+                             (is_standard_residue(name) && (leader == "CA" || leader == "P"));
+  const std::vector<AtomIterator> one = begins;
+  std::set<std::string_view> held;  // by the last residue so far, without its first atom
+  bool is_single = false;           // whether a residue has one atom
+  for (AtomIterator atom = first + 1; atom != last; ++atom) {
+    if (is_as_first(*atom) && norm(atom->position - begins.back()->position) >= kApart) {
+      is_single = is_single || atom - begins.back() == 1;
+      begins.push_back(atom);
+      held.clear();
+    } else if (!is_water && atom->altloc == '\0' &&
+               (is_as_first(*atom) || !held.insert(atom->name.view()).second)) {
+      return one;
+    }
+  }
+  is_single = is_single || last - begins.back() == 1;
+  return may_be_single || (!is_single && !are_called_by_element(first, last)) ? begins : one;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> residue_numbers(const ParsedFile& file,
@@ -114,11 +168,26 @@ std::vector<std::uint32_t> residue_numbers(const ParsedFile& file,
   const auto by_residue = [](const AtomRecord& a, const AtomRecord& b) {
     return a.residue < b.residue;
   };
+  // The end of the atoms that stand together in the place of the first.
+  const auto end_of_place = [&](AtomIterator first) {
+    const std::uint32_t place = firsts[first->residue];
+    return std::find_if(first, atoms.end(), [&, place](const AtomRecord& atom) {
+      return firsts[atom.residue] != place;
+    });
+  };
+  const auto has_neighbours = [&] {
+    for (auto first = atoms.begin(); first != atoms.end();) {
+      const auto last = end_of_place(first);
+      if (beginnings(first, last, places[first->residue].residue->name).size() > 1) return true;
+      first = last;
+    }
+    return false;
+  };
   // No place has the key of an earlier one if each is the first of its own.
   const bool plain =
       std::adjacent_find(firsts.begin(), firsts.end(), std::greater_equal()) == firsts.end() &&
       std::is_sorted(atoms.begin(), atoms.end(), by_residue);
-  if (plain) return {};
+  if (plain && !has_neighbours()) return {};
   std::vector<std::uint32_t> numbers;
   numbers.reserve(atoms.size());
   constexpr std::uint32_t kNone = ~0u;
@@ -126,17 +195,20 @@ std::vector<std::uint32_t> residue_numbers(const ParsedFile& file,
   std::set<std::tuple<std::uint32_t, std::string_view, char>> held;  // residue, name, label
   std::uint32_t residues = 0;
   for (auto first = atoms.begin(); first != atoms.end();) {
-    const std::uint32_t place = firsts[first->residue];
-    const auto last = std::find_if(
-        first, atoms.end(), [&](const AtomRecord& atom) { return firsts[atom.residue] != place; });
-    std::uint32_t& number = current[place];
-    const bool again = number != kNone && std::any_of(first, last, [&](const AtomRecord& atom) {
-                         return held.contains({number, atom.name.view(), atom.altloc});
-                       });
-    if (number == kNone || again) number = residues++;
-    for (; first != last; ++first) {
-      numbers.push_back(number);
-      held.emplace(number, first->name.view(), first->altloc);
+    std::vector<AtomIterator> ends =
+        beginnings(first, end_of_place(first), places[first->residue].residue->name);
+    ends.erase(ends.begin());
+    ends.push_back(end_of_place(first));
+    std::uint32_t& number = current[firsts[first->residue]];
+    for (const AtomIterator last : ends) {
+      const bool again = number != kNone && std::any_of(first, last, [&](const AtomRecord& atom) {
+                           return held.contains({number, atom.name.view(), atom.altloc});
+                         });
+      if (number == kNone || again) number = residues++;
+      for (; first != last; ++first) {
+        numbers.push_back(number);
+        held.emplace(number, first->name.view(), first->altloc);
+      }
     }
   }
   return numbers;

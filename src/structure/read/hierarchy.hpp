@@ -38,8 +38,10 @@ Sites all_sites(ParsedFile& file, const std::vector<ResiduePlace>& places);
 // The residue of each atom, by a number in the order of the file. gemmi tells residues by model,
 // chain, segment, number and name. These come again where a file counts past 9999 or has several
 // chains without ids: an atom that its residue has already, behind atoms of other residues, begins
-// another residue. And a residue may be spread over two chains of one name. Empty: the atoms'
-// numbers in the hierarchy say it all, as in nearly all files.
+// another residue. So does the first atom of a residue that comes again right behind it, as of two
+// waters with one number, unless the atoms look like one molecule without unique names or like
+// locations without labels. And a residue may be spread over two chains of one name. Empty: the
+// atoms' numbers in the hierarchy say it all, as in nearly all files.
 std::vector<std::uint32_t> residue_numbers(const ParsedFile& file,
                                            const std::vector<ResiduePlace>& places);
 

@@ -144,6 +144,25 @@ TEST(Xyzr, NumbersAndComments) {
   EXPECT_EQ(molecule.format, "xyzr");
 }
 
+// What tells nothing of a sphere is refused; what thesis presets leave out is not asked for.
+TEST(Xyzr, ChoicesByNamesAndRecordsAreRefused) {
+  ReadOptions waters, hydrogens, hetero, preset;
+  waters.waters = Inclusion::keep;
+  hydrogens.hydrogens = Inclusion::drop;
+  hetero.hetero_atoms = Inclusion::drop;
+  preset.hetero_atoms = Inclusion::drop_where_told;
+  const auto refusal = [](const ReadOptions& options) {
+    return refusal_of_text<InvalidInput>("a.xyzr", "0 0 0 1\n", options);
+  };
+  EXPECT_THAT(refusal(waters), HasSubstr("leave out --waters"));
+  EXPECT_THAT(refusal(hydrogens), HasSubstr("leave out --no-hydrogens"));
+  EXPECT_THAT(refusal(hetero), HasSubstr("leave out --no-hetatm"));
+  EXPECT_EQ(read_text_as("a.xyzr", "0 0 0 1\n", preset).atoms.size(), 1U);
+  EXPECT_THAT(refusal_of_text<InvalidInput>(
+                  "a.pdb", "HETATM    1  C1  LIG A   1       0.000   0.000   0.000\n", preset),
+              HasSubstr("1 hetatm"));
+}
+
 TEST(Xyzr, NumbersTooCloseToZeroAreZero) {
   const Molecule molecule =
       read_text_as("a.xyzr", "1e-400 -1E-400 1e-99999999999999999999 1\n0." +
