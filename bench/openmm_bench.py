@@ -6,7 +6,8 @@
 
 `forces` compares forces with differences of the energy; `speed` times evaluations of forces and energy, in turn, beside the
 generalised Born force of OpenMM and its ACE approximation of the area; `energy` runs at constant energy with the force
-and without it, both from the same state at 300 K, and prints how the total energies drift.
+and without it, both from 300 K, and prints how the total energies drift. Charges there have a cutoff of 1 nm, which takes
+a tenth of the time.
 """
 
 import argparse
@@ -116,6 +117,11 @@ def compare_speed(system, topology, positions, threads, seconds):
 
 def compare_drift(system, topology, positions, threads, picoseconds, step):
     """Both runs in turn, a picosecond each, so that they see the same load; a line after every fifth one."""
+    for force in system.getForces():
+        if isinstance(force, openmm.NonbondedForce):
+            force.setNonbondedMethod(openmm.NonbondedForce.CutoffNonPeriodic)
+            force.setUseSwitchingFunction(True)
+            force.setSwitchingDistance(0.9)
     with_area = copy.deepcopy(system)
     with_area.addForce(area_force(topology))
     runs = {"without": in_context(system, positions, threads, step / 1000),

@@ -7,8 +7,8 @@
 // without a cutoff, and do not depend on the number of threads. The interface is in OpenMM's style
 // and units: nm, kJ/mol, kJ/mol/nm² for γ, and kJ/mol/nm³ for P (1 bar is 0.0602214076 kJ/mol/nm³).
 //
-// Parameters are checked when a Context is created or updated, numbers of particles at once. What
-// is wrong throws an OpenMM::OpenMMException of one line.
+// Parameters are checked when a Context is created or updated, the index of a particle at once.
+// What is wrong throws an OpenMM::OpenMMException of one line.
 #pragma once
 
 #include <openmm/Context.h>
