@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMaxPosition = 65535;  // 16 bits
 
-Box box_of(const IndexedMesh& mesh) {
+Box box_around(const IndexedMesh& mesh) {
   Box box = empty_box();
   for (const Vec3d& p : mesh.positions) include(box, p);
   return box;
@@ -40,7 +40,7 @@ void append_triangles(const IndexedMesh& mesh, std::string& bytes) {
 }  // namespace
 
 Box append_mesh(const IndexedMesh& mesh, std::string& bytes) {
-  const Box box = box_of(mesh);
+  const Box box = box_around(mesh);
   append_positions(mesh, box, bytes);
   append_triangles(mesh, bytes);
   return box;

@@ -33,7 +33,7 @@ class NumberedTexts {
 
 // A column of `of`, one value for each row.
 template <class Rows, class Of>
-auto column(const Rows& rows, const Of& of) {
+auto column_of(const Rows& rows, const Of& of) {
   std::vector<std::decay_t<decltype(of(*rows.begin()))>> values;
   for (const auto& row : rows) values.push_back(of(row));
   return values;
@@ -42,7 +42,7 @@ auto column(const Rows& rows, const Of& of) {
 // Thousandths of Å are finer than a pixel, and short.
 double short_length(double length) { return std::round(length * 1000) / 1000; }
 
-std::string chain_of(const Atom& atom) {
+std::string shown_chain(const Atom& atom) {
   const std::string chain = atom.chain.empty() ? atom.segment.str() : atom.chain.str();
   return atom.model == 1 ? chain : std::to_string(atom.model) + '/' + chain;
 }
@@ -72,22 +72,23 @@ void write_atoms(JsonText& json, const StructureView& view, const ResidueColumns
   const std::vector<Atom>& atoms = view.molecule.atoms;
   NumberedTexts elements, chains;
   json.object("atoms", [&] {
-    json("name", column(atoms, [](const Atom& a) { return a.name.str(); }));
-    json("element", column(atoms, [&](const Atom& a) { return elements.number_of(a.element); }));
-    json("serial", column(atoms, [](const Atom& a) { return a.serial; }));
+    json("name", column_of(atoms, [](const Atom& a) { return a.name.str(); }));
+    json("element", column_of(atoms, [&](const Atom& a) { return elements.number_of(a.element); }));
+    json("serial", column_of(atoms, [](const Atom& a) { return a.serial; }));
     json("residue", residues.of_atom), json("area", view.areas);
     for (int axis = 0; axis < 3; ++axis) {
       json(std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1),
-           column(atoms, [&](const Atom& a) { return short_length(a.position[axis]); }));
+           column_of(atoms, [&](const Atom& a) { return short_length(a.position[axis]); }));
     }
-    json("radius", column(atoms, [](const Atom& a) { return a.radius; }));
+    json("radius", column_of(atoms, [](const Atom& a) { return a.radius; }));
   });
   json.object("residues", [&] {
     const auto& first = residues.first;
-    json("chain", column(first, [&](const Atom* a) { return chains.number_of(chain_of(*a)); }));
-    json("number", column(first, [](const Atom* a) { return a->residue_number.str(); }));
-    json("name", column(first, [](const Atom* a) { return a->residue_name.str(); }));
-    json("area", column(residues.areas, [](const WideSum& sum) { return sum.value(); }));
+    json("chain",
+         column_of(first, [&](const Atom* a) { return chains.number_of(shown_chain(*a)); }));
+    json("number", column_of(first, [](const Atom* a) { return a->residue_number.str(); }));
+    json("name", column_of(first, [](const Atom* a) { return a->residue_name.str(); }));
+    json("area", column_of(residues.areas, [](const WideSum& sum) { return sum.value(); }));
   });
   json("chains", chains.values());
   json.list("elements", elements.values(), [&](const std::string& element) {
@@ -111,7 +112,7 @@ void write_places(JsonText& json, const StructureView& view) {
   json("pocket_probe", view.probe);
   json.list("pockets", view.report.pockets->pockets, [&](const PocketRow& pocket) {
     describe(json, pocket);
-    json("lining_atoms", column(pocket.lining, [](const LiningSphere& s) { return s.id; }));
+    json("lining_atoms", column_of(pocket.lining, [](const LiningSphere& s) { return s.id; }));
     json("spheres", spheres_of(pocket));
   });
   if (!view.report.interfaces) return;
