@@ -4,15 +4,19 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
+#include "cuda/extract/bricks/brick_mesher.cuh"
 #include "cuda/fake_runtime.hpp"
 #include "cuda/memory/device_memory.cuh"
+#include "cuda/memory/transfer.cuh"
 #include "support/sampled_spheres.hpp"
 
 namespace vdwmesh {
@@ -159,6 +163,65 @@ TEST_F(Devices, UploadsAreWaitedForWhereTheDeviceReadsTheHostsMemory) {
     const DeviceArray<int> there = upload(host.data(), host.size(), nullptr);
     EXPECT_EQ(fake_runtime().stream_waits, reads ? 1 : 0);
   }
+}
+
+// Each thread of a transfer has two locked buffers, which are kept: no more threads than the
+// caller's loops may have, and no more than 16. Device numbers of their own.
+TEST_F(Devices, TransfersTakeNoMoreThreadsThanTheCallerMay) {
+  constexpr int kChunks = 60;  // of 2 MiB, three for each thread
+  const std::vector<std::byte> host(std::size_t{kChunks} << 21, std::byte{7});
+  int device = 4;
+  for (const auto& [allowed, taken] : {std::pair{1, 1}, {3, 3}, {24, 16}}) {
+    fake_runtime() = {};
+    fake_runtime().devices.assign(16, FakeDevice{"d", kNewEnough});
+    use_device(device++);
+    std::vector<std::byte> there(host.size());
+    tbb::task_arena(allowed).execute([&, most = taken] {
+      const Stream stream;
+      upload_parts({{there.data(), host.data(), host.size()}}, stream);
+      EXPECT_EQ(fake_runtime().locked, 2 * most);
+    });
+    EXPECT_EQ(there, host);
+    fake_runtime().events = 0;  // those of the lanes are kept
+  }
+}
+
+// A surface that finds nothing, of which only the bytes of its bricks count.
+class EmptySource final : public BrickSource {
+ public:
+  using BrickSource::BrickSource;
+  LabelWidth label_width() const override { return LabelWidth::one; }
+  KeyList candidates(const KeyRange&, std::uint64_t) const override { return {}; }
+  void count(const std::uint64_t*, std::uint64_t, ActiveBrick*, void*,
+             const BrickCounts&) const override {
+    throw InternalError("counted");
+  }
+  void emit_vertices(const BrickList&, std::uint32_t, const void*, const DeviceMeshView&,
+                     unsigned long long*) const override {}
+};
+
+// What the options allow is for all workers of a device together.
+TEST_F(Devices, WorkersShareTheMemoryThatTheOptionsAllow) {
+  fake_runtime().devices = {{"a", kNewEnough}};
+  constexpr std::uint64_t kBricks = 1'000'000;
+  ExtractOptions options;
+  options.device_memory = 1'000'000'000;
+  const auto refusal = [&](std::size_t sharers) -> std::string {
+    const Stream stream;
+    const EmptySource source(stream);
+    DeviceBrickMesher mesher(source, options, sharers);
+    KeyList candidates;
+    candidates.count = kBricks;
+    try {
+      mesher.count(std::move(candidates));
+    } catch (const DeviceMemoryExceeded& error) {
+      return error.what();
+    } catch (const InternalError&) {
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(1), "");
+  EXPECT_THAT(refusal(1000), HasSubstr(" 1000000 are available"));
 }
 
 // Device numbers of their own: a process makes a pool once.

@@ -172,6 +172,15 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
   return outcome("cudaMemcpyAsync");
 }
 
+cudaError_t cudaMemsetAsync(void* memory, int value, std::size_t bytes, cudaStream_t) {
+  std::memset(memory, value, bytes);
+  return outcome("cudaMemsetAsync");
+}
+
+cudaError_t cudaStreamWaitEvent(cudaStream_t, cudaEvent_t, unsigned) {
+  return outcome("cudaStreamWaitEvent");
+}
+
 cudaError_t cudaStreamSynchronize(cudaStream_t) {
   ++fake_runtime().stream_waits;
   return outcome("cudaStreamSynchronize");
@@ -188,5 +197,7 @@ cudaError_t cudaEventDestroy(cudaEvent_t) {
   --fake_runtime().events;
   return outcome("cudaEventDestroy");
 }
+
+cudaError_t cudaEventSynchronize(cudaEvent_t) { return outcome("cudaEventSynchronize"); }
 
 cudaError_t cudaEventRecord(cudaEvent_t, cudaStream_t) { return outcome("cudaEventRecord"); }
