@@ -217,6 +217,16 @@ std::optional<std::string> fitting_step(const MemoryDemand& demand, std::uint64_
   return std::nullopt;
 }
 
+// How many triangles of a page would fit.
+std::optional<std::string> fitting_triangles(const MemoryDemand& demand, std::uint64_t limit) {
+  constexpr double kGrain = 1.05, kMost = 10;
+  for (double factor = kGrain; factor < kMost; factor *= kGrain) {
+    const MemoryDemand less = scaled(demand, factor);
+    if (fits(less, limit)) return fmt::format("--page-triangles {}", first_level(less).triangles);
+  }
+  return std::nullopt;
+}
+
 // The most levels that fit.
 std::optional<std::string> fitting_subdivisions(const MemoryDemand& demand, std::uint64_t limit) {
   for (int levels = demand.surface->subdivisions - 1; levels >= 0; --levels) {
@@ -241,14 +251,16 @@ std::string remedies(const MemoryDemand& demand, std::uint64_t need, std::uint64
   const auto add = [&](const std::optional<std::string>& remedy) {
     if (remedy) list += *remedy + ", ";
   };
-  if (demand.surface) {
+  const bool of_page = demand.page == Switch::on;  // whose verb has no other options of these
+  if (demand.surface && of_page) add(fitting_triangles(demand, limit));
+  if (demand.surface && !of_page) {
     add(fitting_step(demand, limit));
     add(fitting_subdivisions(demand, limit));
   }
   const auto add_without = [&](const char* option, auto change) {
     MemoryDemand less = demand;
     change(less);
-    if (fits(less, limit)) add(option);
+    if (!of_page && fits(less, limit)) add(option);
   };
   add_without("--distances off", [](MemoryDemand& d) { d.distances = Switch::off; });
   add_without("--topology off", [](MemoryDemand& d) {

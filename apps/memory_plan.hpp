@@ -34,7 +34,7 @@ struct MemoryDemand {
   CgalCheck cgal_check = CgalCheck::skip;
   std::optional<UnionMethod> exact;  // empty: no exact union
   Switch distances = Switch::off;
-  Switch page = Switch::off;  // the mesh is written into a page
+  Switch page = Switch::off;  // a page is written, with the mesh if there is one
 };
 
 // The method whose memory the exact measures take. A certificate and the excluded surface need the

@@ -22,6 +22,7 @@ void check_exact_memory(const SphereSet& spheres, const ExactOptions& exact,
                         const Session& session) {
   MemoryDemand demand;
   demand.exact = method_for_memory(exact);
+  demand.page = Switch::on;
   check_memory_before(demand, spheres, session.machine.memory_limit);
 }
 

@@ -76,6 +76,14 @@ class Files(ProgramTest):
         self.assert_refused(LIMIT_HIT, "view", UBIQUITIN, "-o", page, "--memory-limit", "20M", says=("the stage",))
         self.assertFalse(page.exists())
 
+    def test_remedies_are_options_of_the_verb(self):
+        page = self.folder / "a.html"
+        refused = self.assert_refused(LIMIT_HIT, "view", UBIQUITIN, "-o", page, "--memory-limit", "50M", says=("page",))
+        options = set(re.findall(r"--[a-z-]+", refused.stderr))
+        self.assertEqual(options, {"--page-triangles", "--memory-limit"})
+        triangles = re.search(r"--page-triangles (\d+)", refused.stderr)[1]
+        self.run_ok("view", UBIQUITIN, "-o", page, "--memory-limit", "50M", "--page-triangles", triangles)
+
     def test_few_triangles(self):
         """Where the creases alone need more than are wanted, marching cubes make fewer."""
         sizes = []
