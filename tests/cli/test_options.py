@@ -128,7 +128,7 @@ class Refusals(ProgramTest):
             "--distances": ("on", "off"),
             "--mesher": ("marching-cubes", "exact"),
             "--self-intersections": ("auto", "on", "off"),
-            "--format": ("pdb", "mmcif", "pqr", "xyzr"),
+            "--format": ("pdb", "mmcif", "pqr", "xyzr", "gro", "mol2", "sdf", "xyz"),
         }.items():
             with self.subTest(option=option):
                 self.refused(option, "nonsense", says=("nonsense", *known))
