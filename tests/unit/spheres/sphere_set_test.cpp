@@ -100,6 +100,21 @@ TEST(SphereSet, AMoveThatIsRefusedChangesNothing) {
   EXPECT_EQ(set.revision(), revision);
 }
 
+TEST(SphereSet, GrownBallsKeepTheirCentres) {
+  const std::vector<Sphere> larger = {{{0, 0, 0}, 1.25}, {{1, 2, 3}, 1.75}, {{-4, 5, 6}, 2.25}};
+  expect_spheres(grown(three(), 0.25), larger);
+  EXPECT_THROW(grown(three(), -1), InvalidInput) << "the first ball would have no radius";
+}
+
+TEST(SphereSet, BoxesAreThoseOfBallsAndOfCentres) {
+  const Box balls = bounding_box(SphereSet(three())),
+            centers = center_bounding_box(SphereSet(three()));
+  EXPECT_EQ(balls.lower, (Vec3d{-6, -1, -1}));
+  EXPECT_EQ(balls.upper, (Vec3d{2.5, 7, 8}));
+  EXPECT_EQ(centers.lower, (Vec3d{-4, 0, 0}));
+  EXPECT_EQ(centers.upper, (Vec3d{1, 5, 6}));
+}
+
 TEST(SphereSet, ARevisionNamesTheContents) {
   SphereSet set(three());
   const SphereSet copy = set, same(three());
