@@ -45,8 +45,8 @@ struct FacetLeaf {
   std::uint32_t overlapping(const Box& other) const {
     return overlapping_lanes(lower, upper, 0, other);
   }
-  // Gathers a leaf of the tree. Boxes of triangles that are not there, or that have no area, are
-  // empty.
+  // Gathers a leaf of the tree. Boxes of triangles that are not there, that the tree leaves out, or
+  // that have no area, are empty.
   void gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf);
   void set_planes();
   void leave_out_flat(std::size_t count);
@@ -59,12 +59,13 @@ inline void FacetLeaf::gather(const IndexedMesh& mesh, const FacetTree& tree, st
   for (std::size_t i = 0; i < kSize; ++i) {
     Box own = empty_box();
     triangle[i] = i < count ? tree.triangle_at(first + i) : 0;
+    const bool is_there = i < count && !tree.is_left_out(triangle[i]);
     const Triangle& v = mesh.triangles[triangle[i]];
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3d& p = mesh.positions[v[k]];
       vertex[k][i] = v[k];
       corner[k].set(i, p);
-      if (i < count) include(own, p);
+      if (is_there) include(own, p);
     }
     include(box, own);
     for (int axis = 0; axis < 3; ++axis) {

@@ -169,7 +169,7 @@ class FacetOrder {
 
 }  // namespace
 
-FacetTree::FacetTree(const IndexedMesh& mesh) {
+FacetTree::FacetTree(const IndexedMesh& mesh, const Buffer<std::uint32_t>& hubs) : hubs_(hubs) {
   if (mesh.triangles.empty()) return;
   order_ = FacetOrder(mesh).triangles();  // the keys are freed before the nodes are made
   make_bottom(mesh);
@@ -201,7 +201,7 @@ void FacetTree::make_bottom(const IndexedMesh& mesh) {
       const std::size_t first = kLeaf * (kWidth * n + child);
       LaneBox around;
       for (std::size_t i = first; i < std::min(first + kLeaf, order_.size()); ++i) {
-        around.include(mesh, order_[i]);
+        if (!is_left_out(order_[i])) around.include(mesh, order_[i]);
       }
       nodes[n].set(child, around.box());
     }

@@ -9,9 +9,11 @@
 
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "analysis/crossings/hub_pairs.hpp"
 #include "analysis/survey/mesh_area.hpp"
 #include "core/buffer.hpp"
 #include "core/lanes/lane_masks.hpp"
@@ -25,13 +27,17 @@ class FacetTree {
   static constexpr std::size_t kLeaf = 4;   // triangles of a leaf
   static constexpr std::size_t kWidth = 8;  // children of a node
 
-  // Over the triangles of the mesh, in an order that it makes. Precondition: their coordinates are
-  // finite.
-  explicit FacetTree(const IndexedMesh& mesh);
+  // Over the triangles of the mesh, in an order that it makes. Those with a hub are in no box, if
+  // `hubs` says by triangle which have one (hub_pairs.hpp); it must outlast the tree, if it is not
+  // empty. Precondition: the coordinates are finite.
+  FacetTree(const IndexedMesh& mesh, const Buffer<std::uint32_t>& hubs);
 
   std::size_t size() const { return order_.size(); }
   // The triangle of the mesh at a place of the tree's order. Leaf k has the places from kLeaf k.
   std::uint32_t triangle_at(std::size_t place) const { return order_[place]; }
+  bool is_left_out(std::uint32_t triangle) const {
+    return !hubs_.empty() && hubs_[triangle] != kNoHub;
+  }
   // The number of nodes whose children are leaves. Node n has the leaves from kWidth n.
   std::size_t bottom_nodes() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
@@ -65,6 +71,7 @@ class FacetTree {
   void make_bottom(const IndexedMesh& mesh);
   void make_levels();
 
+  std::span<const std::uint32_t> hubs_;
   Buffer<std::uint32_t> order_;
   std::vector<Buffer<Node>> levels_;  // the bottom nodes first, the root last
 };

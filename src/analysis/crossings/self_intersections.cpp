@@ -6,9 +6,11 @@
 // was divided, a leaf of the tree is a patch, a divided triangle. Nearly all patches that meet are
 // in one star, where no triangles intersect (surface/star_fans.hpp). Others are found apart four at
 // a time (facet_leaf_apart.hpp) or decided by the filter of facet_pair.hpp, and the last ones by
-// exact predicates. The unit of work is one bottom node of the tree, called home: its 32 triangles
-// are paired with each other and with those of every bottom node behind it whose box overlaps. So
-// each pair is found once, by one thread, and the result does not depend on the number of threads.
+// exact predicates. Triangles at a vertex of very many are no part of the tree, but searched by
+// their directions from there (hub_pairs.hpp). The unit of work is one bottom node of the tree,
+// called home: its 32 triangles are paired with each other and with those of every bottom node
+// behind it whose box overlaps. So each pair is found once, by one thread, and the result does not
+// depend on the number of threads.
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 
@@ -25,6 +27,7 @@
 #include "analysis/crossings/facet_leaf_apart.hpp"
 #include "analysis/crossings/facet_pair_exact.hpp"
 #include "analysis/crossings/facet_tree.hpp"
+#include "analysis/crossings/hub_pairs.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
@@ -249,11 +252,69 @@ VDWMESH_MULTIVERSION void search_from(const SearchInput& mesh, std::size_t first
   }
 }
 
-// The same for all bottom nodes, from several threads.
+// Calls visit(first, end) for each run of triangles with one hub, in the order of the hubs, and
+// those without one left out. `triangles` are in that order.
+template <class Visit>
+void for_each_hub(const std::vector<std::uint32_t>& triangles, const Buffer<std::uint32_t>& hubs,
+                  const Visit& visit) {
+  for (std::size_t first = 0, end = 0; first < triangles.size(); first = end) {
+    while (end < triangles.size() && hubs[triangles[end]] == hubs[triangles[first]]) ++end;
+    visit(first, end);
+  }
+}
+
+// Appends the triangles of the tree in whose boxes the star may be.
+void add_near(const IndexedMesh& mesh, const FacetTree& tree, const HubStar& star,
+              std::vector<std::uint32_t>& found) {
+  tree.visit_nodes_from(0, star.box(), [&](std::size_t node) {
+    for (std::uint32_t near = tree.overlapping_leaves(node, star.box()); near != 0;
+         near &= near - 1) {
+      const std::size_t first =
+          FacetTree::kLeaf * (kWidth * node + static_cast<std::size_t>(std::countr_zero(near)));
+      for (std::size_t i = first; i < std::min(first + FacetTree::kLeaf, tree.size()); ++i) {
+        const std::uint32_t t = tree.triangle_at(i);
+        if (!tree.is_left_out(t) && meet(star.box(), box_of(mesh, t))) found.push_back(t);
+      }
+    }
+  });
+}
+
+// The pairs of which a triangle at least has a hub, each with the star of the lower one of the
+// hubs.
+void search_hubs(const IndexedMesh& mesh, const FacetTree& tree, const Buffer<std::uint32_t>& hubs,
+                 Monitor* monitor, const TakePairs& take) {
+  std::vector<std::uint32_t> triangles;
+  for (std::uint32_t t = 0; t < hubs.size(); ++t)
+    if (hubs[t] != kNoHub) triangles.push_back(t);
+  std::sort(triangles.begin(), triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(hubs[a], a) < std::pair(hubs[b], b);
+  });
+  for_each_hub(triangles, hubs, [&](std::size_t first, std::size_t end) {
+    const HubStar star(mesh, hubs[triangles[first]],
+                       std::span(triangles).subspan(first, end - first));
+    std::vector<std::uint32_t> others;
+    add_near(mesh, tree, star, others);
+    for (std::size_t i = end; i < triangles.size(); ++i)
+      if (meet(star.box(), box_of(mesh, triangles[i]))) others.push_back(triangles[i]);
+    for_each_block(star.size() + others.size(), kNodesPerBlock,
+                   [&](std::size_t, std::size_t begin, std::size_t past) {
+                     TrianglePairs found;
+                     for (std::size_t i = begin; i < past; ++i) {
+                       i < star.size() ? star.join_own(i, monitor, found)
+                                       : star.join_other(others[i - star.size()], monitor, found);
+                     }
+                     advance(monitor, 0);
+                     if (!found.empty()) take(found);
+                   });
+  });
+}
+
+// search_from() all bottom nodes, from several threads, and what the tree leaves out.
 void search_tree(const IndexedMesh& mesh, MeshEdges edges, Monitor* monitor,
                  const TakePairs& take) {
   const StarFans fans = edges == MeshEdges::paired ? fans_of_divided(mesh) : StarFans();
-  const FacetTree tree(mesh);
+  const Buffer<std::uint32_t> hubs = hubs_of_triangles(mesh);
+  const FacetTree tree(mesh, hubs);
   const Buffer<LeafStars> stars = stars_of_leaves(mesh, tree, fans);
   const SearchInput searched{mesh, tree, stars};
   begin_stage(monitor, "self-intersections", block_count(tree.bottom_nodes(), kNodesPerBlock));
@@ -264,6 +325,7 @@ void search_tree(const IndexedMesh& mesh, MeshEdges edges, Monitor* monitor,
         search_from(searched, first, end, caches.local(), monitor, take);
       },
       monitor);
+  if (!hubs.empty()) search_hubs(mesh, tree, hubs, monitor, take);
 }
 
 void search(const IndexedMesh& mesh, MeshEdges edges, const std::optional<GridSpec>& grid,

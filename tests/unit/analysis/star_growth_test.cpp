@@ -37,24 +37,38 @@ IndexedMesh bipyramid(int spokes) {
   return mesh;
 }
 
-// The boxes of all triangles of a quadrant have the axis in common, so the search tells every pair
-// of them apart, 32 triangles by 32: four times the triangles are sixteen times the pairs, and no
-// more. Each of these steps asks the monitor, so that it can be stopped.
-TEST(StarGrowth, CrossingsLookAtEachPairOnce) {
-  constexpr double kAllPairs = 16, kRoom = 1.25;
-  expect_growth(
-      1000,
-      [](int spokes, Monitor& monitor) {
-        EXPECT_EQ(self_intersections(bipyramid(spokes), &monitor, MeshEdges::paired), 0u);
-      },
-      kRoom * kAllPairs);
-  constexpr int kSpokes = 4000, kTriangles = 2 * kSpokes, kOfANode = 32;
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  StepCounter counter;
-  self_intersections(bipyramid(kSpokes), &counter, MeshEdges::paired);
-  constexpr double kNodes = kTriangles / kOfANode;
-  EXPECT_LE(static_cast<double>(counter.steps()["self-intersections"]),
-            kRoom * kNodes * (kNodes + 1) / 2);
+// A fan in an oblique plane, and one whose triangles each cross the next two.
+IndexedMesh fan(int spokes, double width) {
+  IndexedMesh mesh;
+  mesh.positions.push_back({0.1, 0.2, 0.3});
+  const auto at = [&](double place, double height) {
+    const double turn = 2 * std::numbers::pi * place / spokes;
+    const double x = 3 * std::cos(turn), y = 3 * std::sin(turn);
+    return mesh.positions[0] + Vec3d{0.6 * x - 0.8 * y, 0.64 * x + 0.48 * y, 0.48 * x + height};
+  };
+  for (int i = 0; i < spokes; ++i) {
+    const auto next = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(at(i, 0));
+    mesh.positions.push_back(at(i + width, width > 1 ? 1e-3 : 0));
+    mesh.triangles.push_back({0, next, next + 1});
+  }
+  return mesh;
+}
+
+// The boxes of all triangles of a quadrant have the hub in common, and those above it the axis with
+// those below: a search by boxes asks sixteen times as often of four times as many.
+TEST(StarGrowth, CrossingsTakeNLogN) {
+  for (const int spokes : {1000, 2000}) {
+    const auto grow = [spokes](const auto& make) {
+      expect_growth(spokes, [&](int count, Monitor& monitor) {
+        self_intersections(make(count), &monitor, MeshEdges::unknown);
+      });
+    };
+    grow(bipyramid);
+    grow([](int count) { return fan(count, 0.999); });
+    grow([](int count) { return fan(count, 2.5); });
+  }
+  EXPECT_EQ(self_intersections(bipyramid(8000), nullptr, MeshEdges::paired), 0u);
 }
 
 class StopSoon : public Monitor {
@@ -69,7 +83,7 @@ class StopSoon : public Monitor {
   mutable std::atomic<std::int64_t> asked_{0};
 };
 
-// A search that takes a minute ends soon after it is asked to.
+// A search that takes long ends soon after it is asked to.
 TEST(StarGrowth, CrossingsCanBeStopped) {
   StopSoon monitor;
   EXPECT_THROW(self_intersections(bipyramid(100'000), &monitor), Cancelled);
