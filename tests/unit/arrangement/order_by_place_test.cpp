@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "complex/boundary/exposed_arcs.hpp"
+#include "complex/placed_balls.hpp"
 #include "creases/arcs/boundary_arcs.hpp"
 #include "measures/exposed_boundary.hpp"
 #include "support/ball_families.hpp"
