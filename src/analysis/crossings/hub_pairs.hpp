@@ -23,7 +23,7 @@
 #include "analysis/crossings/facet_pair.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "core/buffer.hpp"
-#include "surface/box.hpp"
+#include "spheres/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
