@@ -1,242 +1,383 @@
 // complementarity(): samples both excluded surfaces near the other side, chooses the buried and the
-// fitted ones, and compares each with the nearest of the other side. Rounds with several seeds and
-// rising density say how far the result is settled.
+// fitted ones, and compares each with the nearest of the other side. Rounds of rising density, each
+// of four placements of the samples, say how far the result is settled.
 #include "interface/complementarity.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <numeric>
 #include <optional>
 #include <vector>
 
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
-#include "excluded/distances/judged_surface.hpp"
-#include "excluded/distances/surface_samples.hpp"
-#include "spheres/cell_list.hpp"
+#include "interface/point_grid.hpp"
+#include "interface/side_samples.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kSeeds = 4;  // rounds of one density
+constexpr std::size_t kPlacements = 4;  // of one density
+
+// Width of cells in which points are sought, Å.
+constexpr double kCell = 0.6;
 
 using Points = std::vector<Vec3d>;
 
-// Points in cells, for searches around others.
-class PointSearch {
+// A sample of the buried part, with what comes of it.
+struct BuriedSample {
+  PatchSample at;
+  std::uint32_t placement;
+  // How much farther than the rim it is from what is not buried, Å, up to kClearance.
+  double clearance = 0;
+  double fit = 0;         // S; of those that are fitted
+  double gap_weight = 0;  // exp(-w d²), of the distance to the buried part of the other side
+
+  bool is_fitted() const { return clearance > 0; }
+};
+
+// Of the fitted part one only needs to know where it ends.
+constexpr double kClearance = 0.5;  // Å
+
+// A place of one side with which the other one is compared.
+struct Target {
+  SurfacePlace at;
+  std::uint32_t patch;
+  double clearance;
+};
+
+// One side of a round: its buried samples, of all placements, and what it does not bury.
+class SampledSide {
  public:
-  explicit PointSearch(const Points& points) {
-    // About as far as the nearest point of the other side is.
-    constexpr double kCell = 0.5;  // Å
-    std::vector<Sphere> balls;
-    balls.reserve(points.size());
-    for (const Vec3d& point : points) balls.push_back({point, kCell});
-    if (!balls.empty()) list_ = make_ball_list(SphereSet(std::move(balls)));
-  }
-
-  bool has_within(const Vec3d& point, double distance) const {
-    return !is_empty() && visit(point, distance, [&](ListPlace place) {
-      return squared_norm(at(place) - point) < distance * distance;
-    });
-  }
-
-  // The index of the nearest point, the lowest of several, if there is one within `most`.
-  std::optional<SphereId> nearest(const Vec3d& point, double most) const {
-    if (is_empty()) return std::nullopt;
-    for (double reach = 1; reach < 2 * most; reach *= 2) {
-      double least = reach * reach;
-      std::optional<SphereId> found;
-      visit(point, reach, [&](ListPlace place) {
-        const double squared = squared_norm(at(place) - point);
-        const SphereId id = list_.view().id[place];
-        if (squared > least || (found && squared == least && id > *found)) return false;
-        least = squared;
-        found = id;
-        return false;
-      });
-      if (found) return found;
+  SampledSide(const SideSampler& side, double density, const ComplementarityOptions& options)
+      : sampler(side), rim_(options.rim), spacing_(1 / std::sqrt(density)), open_(side.border()) {
+    for (std::uint32_t i = 0; i < kPlacements; ++i) {
+      advance(options.monitor, 0);
+      const std::uint64_t seed = options.seed * kPlacements + i;
+      for (const PatchSample& sample : side.samples(density / kPlacements, seed)) {
+        if (sample.is_buried) {
+          buried.push_back({.at = sample, .placement = i});
+        } else {
+          open_.push_back(sample.point);
+        }
+      }
     }
-    return std::nullopt;
+    grid_.emplace(open_, kCell);
+    for_each_index(buried.size(),
+                   [&](std::size_t i) { buried[i].clearance = clearance(buried[i].at.point); });
+  }
+
+  double spacing() const { return spacing_; }  // of samples, Å
+  bool is_fitted(const Vec3d& place) const { return !grid_->has_within(place, rim_); }
+
+  std::vector<Target> buried_targets() const {
+    std::vector<Target> targets;
+    for (const BuriedSample& s : buried)
+      targets.push_back({{s.at.point, s.at.normal}, s.at.patch, s.clearance});
+    return targets;
+  }
+
+  // The fitted samples, and places where the fitted part ends. Without these it would seem to end
+  // farther inside, by about half the spacing of samples.
+  std::vector<Target> fitted_targets() const {
+    std::vector<Target> targets = buried_targets();
+    for_each_index(targets.size(), [&](std::size_t i) {
+      if (targets[i].clearance <= 0) move_to_end(targets[i]);
+    });
+    std::erase_if(targets, [](const Target& target) { return target.clearance < 0; });
+    return targets;
+  }
+
+  const SideSampler& sampler;
+  std::vector<BuriedSample> buried;
+
+ private:
+  std::optional<std::uint32_t> nearest_open(const Vec3d& place) const {
+    return grid_->nearest(place, rim_ + kClearance);
+  }
+  double clearance(const Vec3d& place) const {
+    const auto nearest = nearest_open(place);
+    return nearest ? norm(open_[*nearest] - place) - rim_ : kClearance;
+  }
+
+  // Moves a target beside the fitted part to its end, on its sphere or tube: away from what is not
+  // buried. Its clearance then is 0, and otherwise below.
+  void move_to_end(Target& target) const {
+    constexpr int kSteps = 4;
+    constexpr double kClose = 1e-3;  // Å
+    const Vec3d begin = target.at.point;
+    if (target.clearance < -spacing_) return;
+    for (int i = 0; i < kSteps; ++i) {
+      const auto nearest = nearest_open(target.at.point);
+      if (!nearest) return;
+      const Vec3d from = target.at.point - open_[*nearest];
+      const double missing = rim_ - norm(from);
+      if (std::abs(missing) < kClose) {
+        target.clearance = 0;
+        return;
+      }
+      const Vec3d beyond = target.at.point + (missing / norm(from)) * from;
+      target.at = sampler.nearest_on(target.patch, beyond);
+      if (!(norm(target.at.point - begin) <= 2 * spacing_)) return;
+    }
+  }
+
+  double rim_, spacing_;
+  Points open_;
+  std::optional<PointGrid> grid_;  // of open_
+};
+
+// The place of a side that is nearest to a point. Targets are beside it by about their spacing; of
+// the patches on which the nearest of them lie, the place itself is found. Where none of these has
+// one, the surface ends there or has a crease, and the nearest target is taken.
+class NearestPlaces {
+ public:
+  enum class Which : std::uint8_t { buried, fitted };
+  struct NearPlace {
+    SurfacePlace place;
+    bool is_fitted;  // surely
+  };
+
+  NearestPlaces(const SampledSide& side, Which which)
+      : side_(side),
+        which_(which),
+        targets_(which == Which::fitted ? side.fitted_targets() : side.buried_targets()),
+        grid_(points(targets_), kCell) {}
+
+  // Where one search goes on from the one before, which was for a point near by.
+  struct PlaceSearch {
+    std::optional<std::uint32_t> last;       // the nearest target
+    std::vector<std::uint32_t> near, tried;  // targets; patches
+  };
+
+  // If there is one up to `most` (Å).
+  std::optional<NearPlace> nearest(const Vec3d& point, double most, PlaceSearch& search) const {
+    if (search.last) {
+      find_near(point, squared_norm(targets_[*search.last].at.point - point), search);
+    } else {
+      for (double reach = 1; !search.last && reach < 2 * most; reach *= 2)
+        find_near(point, reach * reach, search);
+    }
+    if (!search.last) return std::nullopt;
+    const double least = squared_norm(targets_[*search.last].at.point - point);
+    if (least > most * most) return std::nullopt;
+    return nearest_on_patches(point, least, search);
   }
 
  private:
-  bool is_empty() const { return list_.view().size == 0; }
-  Vec3d at(ListPlace place) const { return list_.view().spheres[place].center; }
-  template <class Visit>
-  bool visit(const Vec3d& point, double distance, const Visit& visitor) const {
-    const Vec3d reach{distance, distance, distance};
-    return visit_near_box(list_.view(), point - reach, point + reach, visitor);
+  // How much farther, by its square, the targets may be that lie on the patch of the nearest place:
+  // about h² (1 + d / r) at a distance h of the place, d from the point and on a radius r.
+  double more() const { return 2 * side_.spacing() * side_.spacing(); }
+
+  // Finds the nearest target up to a squared distance, Å², and those that are not much farther.
+  void find_near(const Vec3d& point, double bound, PlaceSearch& search) const {
+    constexpr double kSlack = 1 + 1e-9;
+    double least = bound * kSlack, limit = least + more();
+    search.near.clear();
+    search.last.reset();
+    grid_.each_near(point, limit, [&](std::uint32_t i, double squared) {
+      if (squared > limit) return;
+      search.near.push_back(i);
+      if (squared > least || (search.last && squared == least && i > *search.last)) return;
+      least = squared;
+      limit = least + more();
+      search.last = i;
+    });
   }
 
-  CellList list_;
-};
-
-// The atoms of one side near the other, their excluded surface, and the other side's grown atoms.
-struct SampledSide {
-  SampledSide(const SphereSet& own, const CellListView& others,
-              const ComplementarityOptions& options)
-      : grown(excluded::grown_by(own, options.probe)),
-        surface(own, options.probe, ExcludedPart::complete, options.monitor),
-        accessible(grown, options.monitor),
-        other(others) {}
-
-  const SphereSet grown;
-  const excluded::JudgedSurface surface;
-  const ExposedSurface accessible;
-  const CellListView& other;
-};
-
-// Whether the centre of a probe is inside an atom of the list, which has grown by the probe.
-bool overlaps(const CellListView& grown, const Vec3d& probe) {
-  return visit_near_box(grown, probe, probe, [&](ListPlace place) {
-    const Sphere& ball = grown.spheres[place];
-    return squared_norm(ball.center - probe) < ball.radius * ball.radius;
-  });
-}
-
-// Samples of one side that the other one buries, and which of them are fitted.
-struct BuriedSamples {
-  Points points, normals;
-  std::vector<std::uint8_t> is_fitted;
-};
-
-BuriedSamples sample(const SampledSide& side, double density, std::uint64_t seed,
-                     const ComplementarityOptions& options) {
-  const excluded::SurfaceSamples samples(side.surface, side.accessible, options.probe, density,
-                                         seed);
-  BuriedSamples buried;
-  Points open;
-  std::vector<std::array<Points, 2>> parts(samples.element_count());
-  for_each_index(parts.size(), [&](std::size_t i) { samples.add(i, parts[i][0], parts[i][1]); });
-  for (const auto& [points, probes] : parts) {
-    advance(options.monitor, 0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!overlaps(side.other, probes[i])) {
-        open.push_back(points[i]);
-        continue;
-      }
-      buried.points.push_back(points[i]);
-      buried.normals.push_back((1 / options.probe) * (probes[i] - points[i]));
+  NearPlace nearest_on_patches(const Vec3d& point, double to_target, PlaceSearch& search) const {
+    const Target& at = targets_[*search.last];
+    NearPlace found{at.at, at.clearance > 0};
+    double least = std::numeric_limits<double>::infinity();
+    search.tried.clear();
+    for (const std::uint32_t i : search.near) {
+      const Target& near = targets_[i];
+      if (squared_norm(near.at.point - point) > to_target + more()) continue;
+      if (std::ranges::find(search.tried, near.patch) != search.tried.end()) continue;
+      search.tried.push_back(near.patch);
+      const SurfacePlace place = side_.sampler.nearest_on(near.patch, point);
+      const double gap = squared_norm(place.point - point);
+      if (!(gap < least) || !side_.sampler.holds(near.patch, place.point)) continue;
+      const bool is_clear = norm(place.point - near.at.point) < near.clearance;
+      if (which_ == Which::fitted && !is_clear && !side_.is_fitted(place.point)) continue;
+      least = gap;
+      found = {place, is_clear};
     }
+    return found;
   }
-  const PointSearch open_search(open);
-  buried.is_fitted.resize(buried.points.size());
-  for_each_index(buried.points.size(), [&](std::size_t i) {
-    buried.is_fitted[i] = !open_search.has_within(buried.points[i], options.rim);
-  });
-  return buried;
-}
 
-BuriedSamples fitted_of(const BuriedSamples& all) {
-  BuriedSamples fitted;
-  for (std::size_t i = 0; i < all.points.size(); ++i) {
-    if (all.is_fitted[i] == 0) continue;
-    fitted.points.push_back(all.points[i]);
-    fitted.normals.push_back(all.normals[i]);
+  static Points points(const std::vector<Target>& targets) {
+    Points found;
+    for (const Target& target : targets) found.push_back(target.at.point);
+    return found;
   }
-  return fitted;
+
+  const SampledSide& side_;
+  const Which which_;
+  const std::vector<Target> targets_;
+  const PointGrid grid_;
+};
+
+// Where exp(-w d²) is below 1e-12, S is taken for 0. No S changes by more, so no quantile does.
+double farthest(double weight) {
+  constexpr double kLeastWeight = 1e-12;
+  constexpr double kFarthest = 64;  // Å, where w is next to nothing
+  return std::min(std::sqrt(std::log(1 / kLeastWeight) / weight), kFarthest);
 }
 
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
-// Points farther apart than this have a weight below 1e-16 for every usual w.
-constexpr double kFarthest = 16;  // Å
-
-// Squared distance from a point to the surface around a sample. A sample is beside the nearest
-// point by about the spacing of samples: so near, the surface is its tangent plane. Farther than
-// that begins the outside of the patch.
-double squared_distance(const Vec3d& point, const BuriedSamples& other, SphereId sample,
-                        double density) {
-  constexpr double kSpacings = 2;
-  const Vec3d apart = point - other.points[sample];
-  const double height = dot(apart, other.normals[sample]), squared = squared_norm(apart);
-  return squared - height * height <= kSpacings * kSpacings / density ? height * height : squared;
-}
-
-// For each point of one side value(i, sample, weight), with the nearest sample of the other side
-// and exp(-w d²) of the distance d to the surface there; 0 where none is near.
-template <class Value>
-std::vector<double> by_nearest(const BuriedSamples& own, const BuriedSamples& other, double density,
-                               const ComplementarityOptions& options, const Value& value) {
-  const PointSearch search(other.points);
-  std::vector<double> values(own.points.size());
-  for_each_index(values.size(), [&](std::size_t i) {
-    const auto nearest = search.nearest(own.points[i], kFarthest);
-    if (!nearest) return;
-    const double squared = squared_distance(own.points[i], other, *nearest, density);
-    values[i] = value(i, *nearest, std::exp(-options.weight * squared));
+// Sets fit and weight of the samples of one side.
+void compare(SampledSide& own, const SampledSide& other, const ComplementarityOptions& options) {
+  const NearestPlaces buried(other, NearestPlaces::Which::buried),
+      fitted(other, NearestPlaces::Which::fitted);
+  const double most = farthest(options.weight);
+  const auto weight_at = [&](const SurfacePlace& place, const PatchSample& sample) {
+    return std::exp(-options.weight * squared_norm(place.point - sample.point));
+  };
+  constexpr std::size_t kRun = 512;
+  for_each_block(own.buried.size(), kRun, [&](std::size_t, std::size_t first, std::size_t end) {
+    NearestPlaces::PlaceSearch among_buried, among_fitted;
+    for (std::size_t i = first; i < end; ++i) {
+      BuriedSample& sample = own.buried[i];
+      const Vec3d& point = sample.at.point;
+      auto near = buried.nearest(point, most, among_buried);
+      if (near) sample.gap_weight = weight_at(near->place, sample.at);
+      if (!sample.is_fitted()) continue;
+      if (near && !near->is_fitted) near = fitted.nearest(point, most, among_fitted);
+      if (!near) continue;
+      sample.fit = -dot(sample.at.normal, near->place.normal) * weight_at(near->place, sample.at);
+    }
   });
-  return values;
 }
 
-double median_fit(const BuriedSamples& own, const BuriedSamples& other, double density,
-                  const ComplementarityOptions& options) {
-  std::vector<double> fits =
-      by_nearest(own, other, density, options, [&](std::size_t i, SphereId sample, double weight) {
-        return -dot(own.normals[i], other.normals[sample]) * weight;
-      });
-  return median_of(fits);
+struct WeightedValue {
+  double value, weight;
+};
+
+// The median of values by their weights, in which each value is spread evenly over kWidth on both
+// sides. So it is continuous in values and weights, and does not jump from one value to the next
+// with the last digits of either. Spreading moves it by the square of the width, about 1e-4.
+class SpreadMedian {
+ public:
+  explicit SpreadMedian(std::vector<WeightedValue>&& values) : values_(std::move(values)) {
+    std::ranges::sort(values_, {}, &WeightedValue::value);
+    sums_.reserve(values_.size() + 1);
+    sums_.push_back({0, 0});
+    for (const auto& [value, weight] : values_)
+      sums_.push_back({sums_.back().value + value * weight, sums_.back().weight + weight});
+    if (values_.empty()) return;
+    constexpr double kHalf = 0.5, kSame = 1e-12;
+    lower_ = quantile(kHalf - kSame);
+    upper_ = quantile(kHalf + kSame);
+  }
+
+  double value() const {
+    return values_.empty() ? std::numeric_limits<double>::quiet_NaN() : 0.5 * (lower_ + upper_);
+  }
+
+  // The least standard error of a median of samples that are spread evenly over an area. Only those
+  // of cells are left to chance through which the line of the median runs, each with a variance of
+  // 1/6 of its weight squared. The line divides the area, so it is not shorter than a circle of
+  // half the area. `density` of values at the median turns shares into values.
+  double least_error() const {
+    if (values_.empty()) return std::numeric_limits<double>::quiet_NaN();
+    const double count = static_cast<double>(values_.size());
+    const double share = std::sqrt(std::sqrt(2 * std::numbers::pi) / 6) * std::pow(count, -0.75);
+    const double around = share_below(value() + kWidth) - share_below(value() - kWidth);
+    return std::max(0.5 * (upper_ - lower_), share * 2 * kWidth / std::max(around, 1 / count));
+  }
+
+ private:
+  static constexpr double kWidth = 0.02;
+
+  double share_below(double value) const {
+    const auto from = std::ranges::lower_bound(values_, value - kWidth, {}, &WeightedValue::value),
+               to = std::ranges::lower_bound(values_, value + kWidth, {}, &WeightedValue::value);
+    const WeightedValue &before = sums_[static_cast<std::size_t>(from - values_.begin())],
+                        &up_to = sums_[static_cast<std::size_t>(to - values_.begin())];
+    const double weight = up_to.weight - before.weight;
+    const double spread = weight * (value + kWidth) - (up_to.value - before.value);
+    return (before.weight + spread / (2 * kWidth)) / sums_.back().weight;
+  }
+
+  double quantile(double share) const {
+    double below = values_.front().value - kWidth, above = values_.back().value + kWidth;
+    constexpr int kHalvings = 50;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (below + above);
+      (share_below(middle) < share ? below : above) = middle;
+    }
+    return 0.5 * (below + above);
+  }
+
+  std::vector<WeightedValue> values_, sums_;  // ascending; of weighted values and of weights
+  double lower_ = 0, upper_ = 0;
+};
+
+// The fits of one placement, or of all.
+SpreadMedian median_of(const std::vector<BuriedSample>& samples,
+                       std::optional<std::uint32_t> placement) {
+  std::vector<WeightedValue> fits;
+  for (const BuriedSample& sample : samples)
+    if (sample.is_fitted() && (!placement || *placement == sample.placement))
+      fits.push_back({sample.fit, sample.at.weight});
+  return SpreadMedian(std::move(fits));
 }
 
-double contact_surface(const BuriedSamples& own, const BuriedSamples& other, double density,
-                       const ComplementarityOptions& options) {
+// Å² of all placements' mean.
+template <class Factor>
+double integral(const std::vector<BuriedSample>& samples, const Factor& factor) {
   WideSum sum;
-  for (const double weight :
-       by_nearest(own, other, density, options,
-                  [](std::size_t, SphereId, double at_sample) { return at_sample; })) {
-    sum.add(weight);
-  }
-  return sum.value() / density;
+  for (const BuriedSample& sample : samples) sum.add(sample.at.weight * factor(sample));
+  return sum.value() / kPlacements;
 }
 
-// One seed.
-Complementarity measure_once(const std::array<const SampledSide*, 2>& sides, double density,
-                             std::uint64_t seed, const ComplementarityOptions& options) {
-  const BuriedSamples a = sample(*sides[0], density, 2 * seed, options),
-                      b = sample(*sides[1], density, 2 * seed + 1, options);
-  const BuriedSamples fitted_a = fitted_of(a), fitted_b = fitted_of(b);
-  Complementarity once{};
-  once.median_a = median_fit(fitted_a, fitted_b, density, options);
-  once.median_b = median_fit(fitted_b, fitted_a, density, options);
-  once.sc = 0.5 * (once.median_a + once.median_b);
-  once.fitted_a = static_cast<double>(fitted_a.points.size()) / density;
-  once.fitted_b = static_cast<double>(fitted_b.points.size()) / density;
-  once.buried_a = static_cast<double>(a.points.size()) / density;
-  once.buried_b = static_cast<double>(b.points.size()) / density;
-  once.contact_a = contact_surface(a, b, density, options);
-  once.contact_b = contact_surface(b, a, density, options);
-  once.density = density;
-  return once;
-}
-
-// The mean of all seeds, with the standard error of Sc.
-Complementarity measure_round(const std::array<const SampledSide*, 2>& sides, double density,
-                              const ComplementarityOptions& options) {
-  Complementarity mean{};
-  std::array<double, kSeeds> found{};
-  for (std::size_t i = 0; i < kSeeds; ++i) {
-    const Complementarity once = measure_once(sides, density, options.seed * kSeeds + i, options);
-    found[i] = once.sc;
-    for (double Complementarity::*member :
-         {&Complementarity::sc, &Complementarity::median_a, &Complementarity::median_b,
-          &Complementarity::fitted_a, &Complementarity::fitted_b, &Complementarity::buried_a,
-          &Complementarity::buried_b, &Complementarity::contact_a, &Complementarity::contact_b}) {
-      mean.*member += once.*member / kSeeds;
-    }
-  }
+// The standard error of Sc: from the spread of the placements, and not less than samples allow.
+double error_of(const std::array<const std::vector<BuriedSample>*, 2>& sides,
+                const std::array<SpreadMedian, 2>& medians) {
+  std::array<double, kPlacements> found{};
+  for (std::uint32_t i = 0; i < kPlacements; ++i)
+    for (const auto* side : sides) found[i] += 0.5 * median_of(*side, i).value();
+  const double mean = std::accumulate(found.begin(), found.end(), 0.0) / kPlacements;
   double squares = 0;
-  for (const double sc : found) squares += (sc - mean.sc) * (sc - mean.sc);
-  mean.error = std::sqrt(squares / (kSeeds * (kSeeds - 1)));
-  mean.density = density;
-  return mean;
+  for (const double sc : found) squares += (sc - mean) * (sc - mean);
+  const double spread = std::sqrt(squares / (kPlacements * (kPlacements - 1)));
+  const double least = 0.5 * std::hypot(medians[0].least_error(), medians[1].least_error());
+  // A placement may have no sample where others have a few.
+  return std::isfinite(spread) ? std::max(spread, least) : 1;
+}
+
+Complementarity measure_round(const SideSampler& side_a, const SideSampler& side_b, double density,
+                              const ComplementarityOptions& options) {
+  SampledSide sampled_a(side_a, density, options), sampled_b(side_b, density, options);
+  compare(sampled_a, sampled_b, options);
+  compare(sampled_b, sampled_a, options);
+  const std::vector<BuriedSample>&a = sampled_a.buried, &b = sampled_b.buried;
+  const std::array<SpreadMedian, 2> medians{median_of(a, {}), median_of(b, {})};
+  const auto one = [](const BuriedSample&) { return 1.0; };
+  const auto fitted = [](const BuriedSample& sample) { return sample.is_fitted() ? 1.0 : 0.0; };
+  const auto contact = [](const BuriedSample& sample) { return sample.gap_weight; };
+  return {.sc = 0.5 * (medians[0].value() + medians[1].value()),
+          .error = error_of({&a, &b}, medians),
+          .median_a = medians[0].value(),
+          .median_b = medians[1].value(),
+          .fitted_a = integral(a, fitted),
+          .fitted_b = integral(b, fitted),
+          .buried_a = integral(a, one),
+          .buried_b = integral(b, one),
+          .contact_a = integral(a, contact),
+          .contact_b = integral(b, contact),
+          .density = density};
+}
+
+Points centers_of(const SphereSet& a, const SphereSet& b) {
+  Points centers;
+  for (const SphereSet* side : {&a, &b})
+    for (const Sphere& ball : side->spheres()) centers.push_back(ball.center);
+  return centers;
 }
 
 // The atoms of one side that may have a part in its buried surface or in the rim around it. A
@@ -250,9 +391,7 @@ SphereSet atoms_near(const SphereSet& own, const SphereSet& other,
     return radius;
   };
   const double reach = largest(own) + largest(other) + 4 * options.probe + options.rim;
-  Points centers;
-  for (const Sphere& ball : other.spheres()) centers.push_back(ball.center);
-  const PointSearch search(centers);
+  const PointGrid search(centers_of(other, {}), reach / 2);
   std::vector<Sphere> near;
   for (const Sphere& ball : own.spheres())
     if (search.has_within(ball.center, reach)) near.push_back(ball);
@@ -271,11 +410,15 @@ Complementarity complementarity(const SphereSet& a, const SphereSet& b,
   Complementarity found{};
   found.sc = found.median_a = found.median_b = std::numeric_limits<double>::quiet_NaN();
   if (near_a.empty() || near_b.empty()) return found;
-  const SampledSide side_a(near_a, list_b.view(), options), side_b(near_b, list_a.view(), options);
+  const Points centers = centers_of(near_a, near_b);
+  const AxesSource axes(centers);
+  const SideSampler side_a(near_a, list_b.view(), axes, options.probe, options.rim,
+                           options.monitor),
+      side_b(near_b, list_a.view(), axes, options.probe, options.rim, options.monitor);
   double before = std::numeric_limits<double>::infinity();  // of the round with half the density
   for (double density = options.density; density <= options.most_density; density *= 2) {
-    found = measure_round({&side_a, &side_b}, density, options);
-    found.error = std::max(found.error, std::abs(found.sc - before));
+    found = measure_round(side_a, side_b, density, options);
+    found.error = std::max(found.error, 0.5 * std::abs(found.sc - before));
     before = found.sc;
     if (!std::isfinite(found.sc) || found.error <= options.tolerance) break;
   }

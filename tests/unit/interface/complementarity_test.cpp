@@ -1,15 +1,22 @@
 // Shape complementarity of two balls against closed forms: caps, and the median at half of the
-// fitted cap's area, because the fit falls from the axis to the rim.
+// fitted cap's area, because the fit falls from the axis to the rim. Complexes that are turned,
+// moved and mirrored have the same.
 #include "interface/complementarity.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <random>
+#include <string>
 #include <vector>
 
 #include "core/errors.hpp"
+#include "structure/reader.hpp"
+#include "support/shared_files.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -114,6 +121,63 @@ TEST(Complementarity, DoesNotDependOnThreads) {
   const Complementarity single = complementarity(a, b);
   EXPECT_EQ(many.sc, single.sc);
   EXPECT_EQ(many.contact_a, single.contact_a);
+}
+
+// The atoms of the first two chains of a file.
+std::array<std::vector<Sphere>, 2> first_chains(const std::string& file) {
+  const Molecule molecule = read_structure(shared_path("molecules/thesis/" + file), {});
+  std::array<std::vector<Sphere>, 2> sides;
+  std::map<std::string, std::size_t> known;
+  for (const Atom& atom : molecule.atoms) {
+    const std::size_t next = known.size();
+    const std::size_t side = known.try_emplace(std::string(atom.chain.view()), next).first->second;
+    if (side < 2) sides[side].push_back({atom.position, atom.radius});
+  }
+  return sides;
+}
+
+// A motion: three orthonormal vectors, to which the axes go, and a shift. With mirrored axes it
+// turns the inside of space out.
+struct Motion {
+  std::array<Vec3d, 3> axis;
+  Vec3d shift;
+
+  SphereSet operator()(const std::vector<Sphere>& balls) const {
+    std::vector<Sphere> moved;
+    for (const auto& [c, radius] : balls)
+      moved.push_back({shift + c.x * axis[0] + c.y * axis[1] + c.z * axis[2], radius});
+    return SphereSet(std::move(moved));
+  }
+};
+
+Motion random_motion(std::mt19937& dice, bool mirrored) {
+  std::normal_distribution<double> normal;
+  const auto any = [&] { return Vec3d{normal(dice), normal(dice), normal(dice)}; };
+  const auto unit = [](const Vec3d& v) { return (1 / norm(v)) * v; };
+  const Vec3d first = unit(any()), some = any();
+  const Vec3d second = unit(some - dot(some, first) * first);
+  return {{first, second, (mirrored ? -1.0 : 1.0) * cross(first, second)}, 30.0 * any()};
+}
+
+// Samples move with the atoms, so that all figures are the same but for rounding: coordinates of
+// some 100 Å have 1e-14 Å, which arcs at small angles enlarge a thousand times.
+TEST(Complementarity, TurnsAndMirrorsWithTheComplex) {
+  VDWMESH_NEEDS_SHARED("molecules/thesis");
+  constexpr double kSame = 1e-9;
+  std::mt19937 dice(20261129);
+  for (const char* file : {"4INS.pdb", "1CKB.pdb", "133D.pdb"}) {
+    const auto [a, b] = first_chains(file);
+    const Complementarity still = complementarity(SphereSet(a), SphereSet(b));
+    ASSERT_GT(still.fitted_a, 20) << file;
+    for (int i = 0; i < 20; ++i) {
+      const Motion move = random_motion(dice, i >= 10);
+      const Complementarity moved = complementarity(move(a), move(b));
+      EXPECT_NEAR(moved.sc, still.sc, kSame) << file;
+      EXPECT_NEAR(moved.error, still.error, kSame) << file;
+      EXPECT_NEAR(moved.fitted_b, still.fitted_b, kSame * still.fitted_b) << file;
+      EXPECT_NEAR(moved.contact_a, still.contact_a, kSame * still.contact_a) << file;
+    }
+  }
 }
 
 TEST(Complementarity, BadInputIsRefused) {
