@@ -277,7 +277,7 @@ void interfaces_text(Text out, std::vector<InterfaceReport> interfaces) {
       fmt::format_to(out, "{:<22}{:>13.3f} of the excluded surface, gap {:.3f} Å³\n", "",
                      i.excluded->buried_a + i.excluded->buried_b, i.excluded->gap_volume);
     if (i.complementarity)
-      fmt::format_to(out, "{:<22}{:>13.3f} ± {:.3f} shape complementarity\n", "",
+      fmt::format_to(out, "{:<22}{:>13.4f} ± {:.4f} shape complementarity\n", "",
                      i.complementarity->sc, i.complementarity->error);
   }
   if (shown < interfaces.size())

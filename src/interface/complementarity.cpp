@@ -30,7 +30,7 @@ using Points = std::vector<Vec3d>;
 
 // A sample of the buried part, with what comes of it.
 struct BuriedSample {
-  SurfaceSample at;
+  PatchSample at;
   std::uint32_t placement;
   // How much farther than the rim it is from what is not buried, Å, up to kClearance.
   double clearance = 0;
@@ -58,7 +58,7 @@ class SampledSide {
     for (std::uint32_t i = 0; i < kPlacements; ++i) {
       advance(options.monitor, 0);
       const std::uint64_t seed = options.seed * kPlacements + i;
-      for (const SurfaceSample& sample : side.samples(density / kPlacements, seed)) {
+      for (const PatchSample& sample : side.samples(density / kPlacements, seed)) {
         if (sample.is_buried) {
           buried.push_back({.at = sample, .placement = i});
         } else {
@@ -137,7 +137,7 @@ class SampledSide {
 class NearestPlaces {
  public:
   enum class Which : std::uint8_t { buried, fitted };
-  struct Found {
+  struct NearPlace {
     SurfacePlace place;
     bool is_fitted;  // surely
   };
@@ -148,48 +148,65 @@ class NearestPlaces {
         targets_(which == Which::fitted ? side.fitted_targets() : side.buried_targets()),
         grid_(points(targets_), kCell) {}
 
-  // If there is one up to `most` (Å). `last` is the target nearest to the point before, and becomes
-  // the one nearest to this: that before is not much farther.
-  std::optional<Found> nearest(const Vec3d& point, double most,
-                               std::optional<std::uint32_t>& last) const {
-    if (last) {
-      constexpr double kMore = 1 + 1e-9;
-      const double bound = norm(targets_[*last].at.point - point) * kMore;
-      last = grid_.nearest(point, std::min(bound, most));
+  // Where one search goes on from the one before, which was for a point near by.
+  struct PlaceSearch {
+    std::optional<std::uint32_t> last;       // the nearest target
+    std::vector<std::uint32_t> near, tried;  // targets; patches
+  };
+
+  // If there is one up to `most` (Å).
+  std::optional<NearPlace> nearest(const Vec3d& point, double most, PlaceSearch& search) const {
+    if (search.last) {
+      find_near(point, squared_norm(targets_[*search.last].at.point - point), search);
     } else {
-      for (double reach = 1; !last && reach < 2 * most; reach *= 2)
-        last = grid_.nearest(point, std::min(reach, most));
+      for (double reach = 1; !search.last && reach < 2 * most; reach *= 2)
+        find_near(point, reach * reach, search);
     }
-    if (!last) return std::nullopt;
-    return nearest_on_patches(point, *last);
+    if (!search.last) return std::nullopt;
+    const double least = squared_norm(targets_[*search.last].at.point - point);
+    if (least > most * most) return std::nullopt;
+    return nearest_on_patches(point, least, search);
   }
 
  private:
-  // A target at a distance h of the nearest place is farther than that by a square of about
-  // h² (1 + d / r), d being the distance and r the radius of the patch.
-  Found nearest_on_patches(const Vec3d& point, std::uint32_t nearest) const {
-    constexpr double kMore = 2;
-    constexpr std::size_t kMost = 24;  // patches
-    const Target& at = targets_[nearest];
-    Found found{at.at, at.clearance > 0};
-    double least = std::numeric_limits<double>::infinity();
-    std::array<std::uint32_t, kMost> tried{};
-    std::size_t count = 0;
-    const double spacing = side_.spacing();
-    const double limit = squared_norm(at.at.point - point) + kMore * spacing * spacing;
+  // How much farther, by its square, the targets may be that lie on the patch of the nearest place:
+  // about h² (1 + d / r) at a distance h of the place, d from the point and on a radius r.
+  double more() const { return 2 * side_.spacing() * side_.spacing(); }
+
+  // Finds the nearest target up to a squared distance, Å², and those that are not much farther.
+  void find_near(const Vec3d& point, double bound, PlaceSearch& search) const {
+    constexpr double kSlack = 1 + 1e-9;
+    double least = bound * kSlack, limit = least + more();
+    search.near.clear();
+    search.last.reset();
     grid_.each_near(point, limit, [&](std::uint32_t i, double squared) {
-      const std::uint32_t patch = targets_[i].patch;
-      const auto end = tried.begin() + count;
-      if (squared > limit || count == kMost || std::find(tried.begin(), end, patch) != end) return;
-      tried[count++] = patch;
-      const SurfacePlace place = side_.sampler.nearest_on(patch, point);
+      if (squared > limit) return;
+      search.near.push_back(i);
+      if (squared > least || (search.last && squared == least && i > *search.last)) return;
+      least = squared;
+      limit = least + more();
+      search.last = i;
+    });
+  }
+
+  NearPlace nearest_on_patches(const Vec3d& point, double to_target, PlaceSearch& search) const {
+    const Target& at = targets_[*search.last];
+    NearPlace found{at.at, at.clearance > 0};
+    double least = std::numeric_limits<double>::infinity();
+    search.tried.clear();
+    for (const std::uint32_t i : search.near) {
+      const Target& near = targets_[i];
+      if (squared_norm(near.at.point - point) > to_target + more()) continue;
+      if (std::ranges::find(search.tried, near.patch) != search.tried.end()) continue;
+      search.tried.push_back(near.patch);
+      const SurfacePlace place = side_.sampler.nearest_on(near.patch, point);
       const double gap = squared_norm(place.point - point);
-      if (!(gap < least) || !side_.sampler.holds(patch, place.point)) return;
-      const bool is_clear = norm(place.point - targets_[i].at.point) < targets_[i].clearance;
-      if (which_ == Which::fitted && !is_clear && !side_.is_fitted(place.point)) return;
+      if (!(gap < least) || !side_.sampler.holds(near.patch, place.point)) continue;
+      const bool is_clear = norm(place.point - near.at.point) < near.clearance;
+      if (which_ == Which::fitted && !is_clear && !side_.is_fitted(place.point)) continue;
       least = gap;
       found = {place, is_clear};
-    });
+    }
     return found;
   }
 
@@ -217,19 +234,19 @@ void compare(SampledSide& own, const SampledSide& other, const ComplementarityOp
   const NearestPlaces buried(other, NearestPlaces::Which::buried),
       fitted(other, NearestPlaces::Which::fitted);
   const double most = farthest(options.weight);
-  const auto weight_at = [&](const SurfacePlace& place, const SurfaceSample& sample) {
+  const auto weight_at = [&](const SurfacePlace& place, const PatchSample& sample) {
     return std::exp(-options.weight * squared_norm(place.point - sample.point));
   };
   constexpr std::size_t kRun = 512;
   for_each_block(own.buried.size(), kRun, [&](std::size_t, std::size_t first, std::size_t end) {
-    std::optional<std::uint32_t> last_buried, last_fitted;
+    NearestPlaces::PlaceSearch among_buried, among_fitted;
     for (std::size_t i = first; i < end; ++i) {
       BuriedSample& sample = own.buried[i];
       const Vec3d& point = sample.at.point;
-      auto near = buried.nearest(point, most, last_buried);
+      auto near = buried.nearest(point, most, among_buried);
       if (near) sample.gap_weight = weight_at(near->place, sample.at);
       if (!sample.is_fitted()) continue;
-      if (near && !near->is_fitted) near = fitted.nearest(point, most, last_fitted);
+      if (near && !near->is_fitted) near = fitted.nearest(point, most, among_fitted);
       if (!near) continue;
       sample.fit = -dot(sample.at.normal, near->place.normal) * weight_at(near->place, sample.at);
     }
@@ -401,7 +418,7 @@ Complementarity complementarity(const SphereSet& a, const SphereSet& b,
   double before = std::numeric_limits<double>::infinity();  // of the round with half the density
   for (double density = options.density; density <= options.most_density; density *= 2) {
     found = measure_round(side_a, side_b, density, options);
-    found.error = std::max(found.error, std::abs(found.sc - before));
+    found.error = std::max(found.error, 0.5 * std::abs(found.sc - before));
     before = found.sc;
     if (!std::isfinite(found.sc) || found.error <= options.tolerance) break;
   }

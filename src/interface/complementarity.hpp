@@ -7,8 +7,10 @@
 // the nearest point x' of the other patch with n', S = -(n · n') exp(-w |x - x'|²). Sc is the mean
 // of the medians of S over both patches: 1 for surfaces that are each other's image.
 //
-// Samples stand for the patches: the same number for each Å² of the exact contact, saddle and
-// concave patches, with exact normals. Their density is doubled until Sc settles.
+// Samples stand for the exact contact, saddle and concave patches, each for its part of their area;
+// their normals and the nearest places are exact. They lie in axes that turn with the atoms, so
+// that moved, turned and mirrored complexes have the same Sc but for rounding, unless all atoms lie
+// on a line or in a plane. Their density is doubled until Sc settles.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +25,17 @@ struct ComplementarityOptions {
   double weight = 0.5;       // w, Å⁻²
   double rim = 1.5;          // Å
   double tolerance = 0.002;  // the error of Sc with which rounds end
-  double density = 16;       // samples per Å² to begin with
+  double density = 16;       // samples per Å² to begin with, in four placements
   double most_density = 256;
   std::uint64_t seed = 1;
   Monitor* monitor = nullptr;
 };
 
 struct Complementarity {
-  double sc = 0;              // NaN if one of the fitted patches is empty
-  double error = 0;           // estimate: spread over seeds, or the last change if that is larger
+  double sc = 0;  // NaN if one of the fitted patches is empty
+  // Estimate: the standard error by the spread of the placements, not below what as many samples
+  // leave at least; or half of the last change, most of which is that of the round before.
+  double error = 0;
   double median_a, median_b;  // of S over the patch of each side
   double fitted_a, fitted_b;  // Å² of the fitted patches
   double buried_a, buried_b;  // Å² of the excluded surfaces that the other side buries

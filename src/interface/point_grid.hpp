@@ -21,9 +21,8 @@ class PointGrid {
   // Whether a point is nearer than this, Å.
   bool has_within(const Vec3d& place, double distance) const {
     const double squared = distance * distance;
-    return visit(place, squared, [&](std::uint32_t i) {
-      return squared_distance(points_[i], place) < squared;
-    });
+    return visit(place, squared,
+                 [&](std::uint32_t i) { return squared_distance(points_[i], place) < squared; });
   }
 
   // The index of the nearest point, the lowest of several, if there is one up to `most` (Å).
@@ -40,10 +39,10 @@ class PointGrid {
     return found;
   }
 
-  // Calls near(index, squared distance) for all points up to this squared distance, Å², and for
-  // some that are farther.
+  // Calls near(index, squared distance) for all points up to this squared distance, Å², which
+  // near() may lower, and for some that are farther.
   template <class Near>
-  void each_near(const Vec3d& place, double squared, const Near& near) const {
+  void each_near(const Vec3d& place, const double& squared, const Near& near) const {
     visit(place, squared, [&](std::uint32_t i) {
       near(id_[i], squared_distance(points_[i], place));
       return false;
@@ -51,10 +50,10 @@ class PointGrid {
   }
 
  private:
-  struct Cells {
+  struct CellRun {
     std::int32_t first, last;
   };
-  Cells cells_along(int axis, double from, double to) const {
+  CellRun cells_along(int axis, double from, double to) const {
     const auto along = [&](double x) {
       const double cell = (x - lower_[axis]) / width_;
       return static_cast<std::int32_t>(std::clamp(cell, -1.0, 1.0 * count_[axis]));
@@ -86,8 +85,8 @@ class PointGrid {
     if (points_.empty()) return false;
     constexpr double kSlack = 1 + 1e-9;
     const double widest = std::sqrt(squared) * kSlack;
-    const Cells y = cells_along(1, place.y - widest, place.y + widest),
-                z = cells_along(2, place.z - widest, place.z + widest);
+    const CellRun y = cells_along(1, place.y - widest, place.y + widest),
+                  z = cells_along(2, place.z - widest, place.z + widest);
     for (std::int32_t k = z.first; k <= z.last; ++k) {
       const double across = beside(2, k, place.z);
       for (std::int32_t j = y.first; j <= y.last; ++j) {
@@ -95,7 +94,7 @@ class PointGrid {
         const double left = squared * kSlack - across * across - up * up;
         if (left < 0) continue;
         const double wide = std::sqrt(left) * kSlack;
-        const Cells x = cells_along(0, place.x - wide, place.x + wide);
+        const CellRun x = cells_along(0, place.x - wide, place.x + wide);
         if (x.first > x.last) continue;
         const std::size_t first = row(j, k);
         const std::uint32_t end = begin_[first + static_cast<std::size_t>(x.last) + 1];

@@ -213,7 +213,7 @@ bool SideSampler::holds(std::uint32_t patch, const Vec3d& point) const {
 // middle of equal steps, so that they do not say where the circle begins.
 void SideSampler::add_border(const SpherePatch& patch, std::vector<Vec3d>& border) const {
   if (patch.all_buried || patch.others.empty()) return;
-  CircleCover cover;
+  CoveredAngles cover;
   for (const arcs::Cap& cap : patch.others) {
     const double radius = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
     const Vec3d first = patch.axes.across(cap.axis), second = cross(cap.axis, first);
@@ -254,10 +254,10 @@ void SideSampler::add_border(const Saddle& saddle, std::vector<Vec3d>& border) c
   });
 }
 
-std::vector<SurfaceSample> SideSampler::samples(double density, std::uint64_t seed) const {
+std::vector<PatchSample> SideSampler::samples(double density, std::uint64_t seed) const {
   const Placement placement(Random(seed, 0));
   const std::size_t spheres = spheres_.size();
-  return gathered<SurfaceSample>(spheres + saddles_.size(), nullptr, [&](auto i, auto& found) {
+  return gathered<PatchSample>(spheres + saddles_.size(), nullptr, [&](auto i, auto& found) {
     i < spheres ? sample_sphere(size_of(i), density, placement, found)
                 : sample_saddle(size_of(i), density, placement, found);
   });
@@ -277,7 +277,7 @@ std::array<std::vector<SideSampler::Part>, 2> SideSampler::parts_of(
   };
   const std::vector<TiltedCap> covers = tilted(patch.covers), others = tilted(patch.others);
   std::array<std::vector<Part>, 2> parts;
-  CircleCover cover, buried;
+  CoveredAngles cover, buried;
   const double rings = std::ceil(std::numbers::pi * r * std::sqrt(density) * kRingsPerSample);
   double upper = 1;
   for (double k = 0; k <= rings; ++k) {
@@ -300,7 +300,7 @@ std::array<std::vector<SideSampler::Part>, 2> SideSampler::parts_of(
 
 // Points follow each other along the parts at equal steps of area.
 void SideSampler::sample_sphere(std::uint32_t number, double density, const Placement& placement,
-                                std::vector<SurfaceSample>& found) const {
+                                std::vector<PatchSample>& found) const {
   const SpherePatch& patch = spheres_[number];
   const std::array<Vec3d, 3> axes{patch.axes.in_space(placement.turn({1, 0, 0})),
                                   patch.axes.in_space(placement.turn({0, 1, 0})),
@@ -331,7 +331,7 @@ void SideSampler::sample_sphere(std::uint32_t number, double density, const Plac
 // Samples rise by equal steps across the saddle, while multiples of the golden ratio spread them
 // along it. Each has the area of its step.
 void SideSampler::sample_saddle(std::uint32_t number, double density, const Placement& placement,
-                                std::vector<SurfaceSample>& found) const {
+                                std::vector<PatchSample>& found) const {
   const Saddle& saddle = saddles_[number - spheres_.size()];
   const double p = probe_, rho = saddle.circle_radius;
   for (const ProfileAngles& range : saddle.profile) {

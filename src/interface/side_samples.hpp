@@ -13,14 +13,14 @@
 
 #include "core/monitor.hpp"
 #include "excluded/distances/judged_surface.hpp"
-#include "interface/circle_cover.hpp"
+#include "interface/covered_angles.hpp"
 #include "interface/turning_axes.hpp"
 #include "measures/arcs/arc_cap.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 
-struct SurfaceSample {
+struct PatchSample {
   Vec3d point, normal;  // outward
   double weight;        // Å² that it stands for
   std::uint32_t patch;  // of SideSampler
@@ -40,7 +40,7 @@ class SideSampler {
 
   // About `density` samples per Å², at least one on each patch. Those of different numbers are
   // independent of each other.
-  std::vector<SurfaceSample> samples(double density, std::uint64_t seed) const;
+  std::vector<PatchSample> samples(double density, std::uint64_t seed) const;
 
   // Points between what is buried and what is not, at distances of kBorderStep.
   static constexpr double kBorderStep = 0.15;  // Å
@@ -67,7 +67,7 @@ class SideSampler {
     double angle;
     std::vector<excluded::ProfileAngles> profile;
     bool turns_back, falls;  // the order of samples, which follows the axes there
-    CircleCover buried;
+    CoveredAngles buried;
   };
   struct Part;
   struct Placement;
@@ -82,9 +82,9 @@ class SideSampler {
                                             const std::array<Vec3d, 3>& axes, double density,
                                             double shift) const;
   void sample_sphere(std::uint32_t patch, double density, const Placement& placement,
-                     std::vector<SurfaceSample>& found) const;
+                     std::vector<PatchSample>& found) const;
   void sample_saddle(std::uint32_t patch, double density, const Placement& placement,
-                     std::vector<SurfaceSample>& found) const;
+                     std::vector<PatchSample>& found) const;
   Vec3d on_tube(const Saddle& saddle, double turn, double profile) const;
 
   const SphereSet grown_;

@@ -1,4 +1,5 @@
-// AxesSource: polar vectors at a place, made orthonormal one after the other.
+// AxesSource: polar vectors at a place, sums over the atoms around it, which are made orthonormal
+// one after the other. What is too short to tell a direction is left to the next.
 #include "interface/turning_axes.hpp"
 
 #include <cmath>

@@ -28,7 +28,7 @@ inline TiltedCap tilted_cap(const Vec3d& first, const Vec3d& second, const Vec3d
 }
 
 // Ranges of one circle, angles from 0 to 2 π.
-class CircleCover {
+class CoveredAngles {
  public:
   void clear() { ranges_.clear(); }
 
