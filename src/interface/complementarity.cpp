@@ -418,7 +418,7 @@ Complementarity complementarity(const SphereSet& a, const SphereSet& b,
   double before = std::numeric_limits<double>::infinity();  // of the round with half the density
   for (double density = options.density; density <= options.most_density; density *= 2) {
     found = measure_round(side_a, side_b, density, options);
-    found.error = std::max(found.error, 0.5 * std::abs(found.sc - before));
+    found.error = std::max(found.error, std::abs(found.sc - before));
     before = found.sc;
     if (!std::isfinite(found.sc) || found.error <= options.tolerance) break;
   }

@@ -34,7 +34,7 @@ struct ComplementarityOptions {
 struct Complementarity {
   double sc = 0;  // NaN if one of the fitted patches is empty
   // Estimate: the standard error by the spread of the placements, not below what as many samples
-  // leave at least; or half of the last change, most of which is that of the round before.
+  // leave at least; or the last change, since what is left of the bias falls as 1/density.
   double error = 0;
   double median_a, median_b;  // of S over the patch of each side
   double fitted_a, fitted_b;  // Å² of the fitted patches
