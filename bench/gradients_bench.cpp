@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/workspace.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "measures/union_gradients.hpp"
 #include "read_xyzr.hpp"

@@ -14,6 +14,7 @@
 #include "complex/placed_balls.hpp"
 #include "creases/arcs/boundary_arcs.hpp"
 #include "measures/exposed_boundary.hpp"
+#include "spheres/spatial_frame.hpp"
 #include "support/ball_families.hpp"
 
 namespace vdwmesh::testing {
@@ -130,7 +131,8 @@ TEST_P(OrderByPlace, OfAPartIsThatOfTheWhole) {
     if (part.ids.empty()) continue;
     std::vector<Sphere> near;
     for (const SphereId i : part.ids) near.push_back(spheres[i]);
-    const Arranged local(triangulate(placed_balls(SphereSet(near), ball_frame(set))));
+    const Arranged local(
+        triangulate(placed_balls(SphereSet(near), spatial_frame(set), scale_exponent(set))));
     const AtPart of_whole = at_part(whole, part, [&](std::uint32_t v) { return whole.t.ids[v]; });
     const AtPart of_part =
         at_part(local, part, [&](std::uint32_t v) { return part.ids[local.t.ids[v]]; });
