@@ -115,7 +115,7 @@ def arguments_of(verb, beside, words, structure):
     given = shlex.split(beside), shlex.split(words)
     names = [{w.split("=")[0] for w in part if w.startswith("-")} for part in given]
     out = []
-    base = BASE[verb].replace("in.pdb", structure)
+    base = BASE[verb] if structure == "in.pdb" else re.sub(r"(in|cage)\.pdb", structure, BASE[verb])
     for part, later in ((shlex.split(base), names[0] | names[1]), (given[0], names[1] - names[0]), (given[1], ())):
         drop = False
         for word in part:
