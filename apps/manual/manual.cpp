@@ -45,6 +45,8 @@ constexpr Example kExamples[] = {
      "How exposed each residue is."},
     {"vdwmesh-interface", "vdwmesh interface FOLDER/1UBQ.pdb A/1-40 A/41-76",
      "What two parts of a chain bury of each other."},
+    {"vdwmesh-view", "vdwmesh view --sample bpti -o bpti.html",
+     "The surface, its pockets and the area of each residue, to look around in."},
     {"vdwmesh-pockets", "vdwmesh pockets --sample ubiquitin -o pockets.csv",
      "Pockets, channels and voids for a water molecule."},
     {"vdwmesh-compare", "vdwmesh compare ubiquitin.ply --sample ubiquitin",
