@@ -34,7 +34,8 @@ struct MemoryDemand {
   CgalCheck cgal_check = CgalCheck::skip;
   std::optional<UnionMethod> exact;  // empty: no exact union
   Switch distances = Switch::off;
-  Switch page = Switch::off;  // a page is written, with the mesh if there is one
+  Switch page = Switch::off;  // a page is written, with the mesh if there is one; remedies are then
+                              // those of view
 };
 
 // The method whose memory the exact measures take. A certificate and the excluded surface need the
@@ -67,8 +68,8 @@ std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit);
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit);
 
-// The surface with the shortest edges, from those it has on, of which there are at most so many
-// triangles by the estimate. Where arcs alone make more, the mesher is marching cubes.
+// Lengthens the edges until the estimate is at most `most_triangles`; takes marching cubes where
+// arcs alone make more.
 // Precondition: the surface is the boundary of the spheres, to be meshed along the creases.
 SurfaceOptions with_few_triangles(const SurfaceOptions& surface, const SphereSet& spheres,
                                   std::uint64_t most_triangles);

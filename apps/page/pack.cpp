@@ -10,19 +10,16 @@
 namespace vdwmesh::apps {
 namespace {
 
-// The best compression: a page is made once and opened often.
 std::string deflated(std::string_view bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string out(size, '\0');
   const int code = compress2(reinterpret_cast<Bytef*>(out.data()), &size,
                              reinterpret_cast<const Bytef*>(bytes.data()),
-                             static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
+                             static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION);
   if (code != Z_OK) throw std::runtime_error("zlib: cannot compress");
   out.resize(size);
   return out;
 }
-
-}  // namespace
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =
@@ -43,6 +40,8 @@ std::string base64(std::string_view bytes) {
   }
   return text;
 }
+
+}  // namespace
 
 std::string pack(std::string_view bytes) { return base64(deflated(bytes)); }
 

@@ -9,6 +9,4 @@ namespace vdwmesh::apps {
 // zlib format, as the browser's DecompressionStream("deflate") reads it, then base64 (RFC 4648).
 std::string pack(std::string_view bytes);
 
-std::string base64(std::string_view bytes);
-
 }  // namespace vdwmesh::apps

@@ -276,9 +276,12 @@ void interfaces_text(Text out, std::vector<InterfaceReport> interfaces) {
     if (i.excluded)
       fmt::format_to(out, "{:<22}{:>13.3f} of the excluded surface, gap {:.3f} Å³\n", "",
                      i.excluded->buried_a + i.excluded->buried_b, i.excluded->gap_volume);
-    if (i.complementarity)
+    if (i.complementarity && std::isfinite(i.complementarity->sc))
       fmt::format_to(out, "{:<22}{:>13.4f} ± {:.4f} shape complementarity\n", "",
                      i.complementarity->sc, i.complementarity->error);
+    else if (i.complementarity)
+      fmt::format_to(out, "{:<22}{:>13} shape complementarity: a side has no fitted part\n", "",
+                     "no");
   }
   if (shown < interfaces.size())
     fmt::format_to(out, "and {} smaller ones, which --json lists\n", interfaces.size() - shown);

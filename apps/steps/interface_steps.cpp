@@ -42,9 +42,6 @@ std::string residue_name(const Molecule& molecule, SphereId id) {
                      atom.residue_name.view());
 }
 
-// Smaller losses of an atom are rounding, which is some 1e-13 Å².
-constexpr double kLeastBurial = 1e-9;
-
 SideReport side_of(const Molecule& molecule, std::span<const std::int32_t> of_atom,
                    std::int32_t side, const Interfaces& found, const Interface& pair) {
   const GroupAreas& group = found.groups[static_cast<std::size_t>(side)];
@@ -201,19 +198,22 @@ class SideSurfaces {
 
 }  // namespace
 
-Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selections) {
-  Sides sides{selections, {}};
+Sides chains_of(const Molecule& molecule) {
+  Sides sides;
   std::map<ChainKey, std::int32_t> known;
   for (const Atom& atom : molecule.atoms) {
-    if (!selections.empty()) {
-      sides.of_atom.push_back(atom.group);
-      continue;
-    }
     const auto next = static_cast<std::int32_t>(sides.names.size());
     const std::int32_t side = known.try_emplace(chain_of(atom), next).first->second;
     if (side == next) sides.names.push_back(chain_name(atom, molecule.model == "all"));
     sides.of_atom.push_back(side);
   }
+  return sides;
+}
+
+Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selections) {
+  Sides sides = selections.empty() ? chains_of(molecule) : Sides{selections, {}};
+  if (!selections.empty())
+    for (const Atom& atom : molecule.atoms) sides.of_atom.push_back(atom.group);
   refuse_if(sides.names.size() < 2,
             "{}: has one chain, {}, and so no interface; name two sides, such as A/1-50 A/51-99",
             molecule.path, sides.names.front());

@@ -17,8 +17,15 @@ struct Sides {
   std::vector<std::int32_t> of_atom;
 };
 
-// The selections by which the molecule was read or, if there are none, its chains; those of several
-// models are told apart. Throws InvalidInput if there are fewer than two.
+// Smaller losses of an atom are rounding, which is some 1e-13 Å².
+inline constexpr double kLeastBurial = 1e-9;
+
+// The chains, in the order of their first atoms. A chain without an id goes by its segment; those
+// of several models are told apart.
+Sides chains_of(const Molecule& molecule);
+
+// The selections by which the molecule was read or, if there are none, its chains. Throws
+// InvalidInput if there are fewer than two.
 Sides sides_of(const Molecule& molecule, const std::vector<std::string>& selections);
 
 // What is measured beside the accessible surface: with `fit` on how the shapes of sides fit, from

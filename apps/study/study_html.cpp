@@ -1,10 +1,7 @@
 // Puts the page of a study together.
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <array>
-#include <cstdint>
-#include <stdexcept>
 
 #include "assets.hpp"
 #include "page/page_parts.hpp"

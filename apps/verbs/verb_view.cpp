@@ -2,7 +2,7 @@
 // `interface`. All of it is made on the CPU, so that the page does not depend on the machine.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <filesystem>
 
 #include "batch/molecule_spheres.hpp"
 #include "command_line/command_line.hpp"
@@ -56,30 +56,18 @@ void find_pockets(const Structure& grown, double probe, Session& session) {
   session.end_stage(&Timing::exact);
 }
 
-bool has_several_chains(const Molecule& molecule) {
-  const auto differs = [&](const Atom& atom) {
-    const Atom& first = molecule.atoms.front();
-    return atom.model != first.model || atom.chain != first.chain ||
-           (atom.chain.empty() && atom.segment != first.segment);
-  };
-  return std::ranges::any_of(molecule.atoms, differs);
-}
-
-// Smaller losses of an atom are rounding.
-constexpr double kLeastShownBurial = 1e-9;  // Å²
-
 void find_interfaces(const Structure& grown, InputOptions input, StructureView& view,
                      Session& session) {
-  if (!has_several_chains(grown.molecule)) return;
+  const Sides& sides = view.chains;
+  if (sides.names.size() < 2) return;
   input.probe = view.probe;
-  const Sides sides = sides_of(grown.molecule, {});
   const DistanceChoice no_fit{.distances = Switch::off};
   const Interfaces found =
       measure_interfaces(grown, sides, input, {no_fit, ExactSurface::vdw}, session);
   for (const Interface& pair : found.pairs) {
     std::vector<SphereId>&a = view.buried_a.emplace_back(), &b = view.buried_b.emplace_back();
     for (const InterfaceAtom& atom : pair.atoms) {
-      if (atom.buried() < kLeastShownBurial) continue;
+      if (atom.buried() < kLeastBurial) continue;
       (sides.of_atom[atom.sphere] == pair.a ? a : b).push_back(atom.sphere);
     }
   }
@@ -107,6 +95,7 @@ void run_view(const Options& options) {
                      .report = session.report,
                      .probe = input.probe > 0 ? input.probe : kReferenceProbe,
                      .areas = measure_surface(options, structure, session),
+                     .chains = chains_of(structure.molecule),
                      .buried_a = {},
                      .buried_b = {},
                      .display = {}};
@@ -116,6 +105,8 @@ void run_view(const Options& options) {
   check_exact_memory(structure.spheres, options.exact, session);
   find_pockets(structure, view.probe, session);
   find_interfaces(structure, input, view, session);
+  // A page is passed on, and nobody is to read there in whose folder the file was.
+  session.report.input.path = std::filesystem::path(session.report.input.path).filename().string();
   const std::string page = view_html(view);
   session.end_progress();
   write_file(options.view.path, page);

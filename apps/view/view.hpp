@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "steps/interface_steps.hpp"
 #include "steps/steps.hpp"
 #include "surface/surface_patch.hpp"
 
@@ -25,6 +26,7 @@ struct StructureView {
   const Report& report;
   double probe = 0;           // Å, of pockets and interfaces
   std::vector<double> areas;  // Å², exposed, by atom
+  Sides chains;
   // By interface: the atoms that it buries, of both sides.
   std::vector<std::vector<SphereId>> buried_a, buried_b;
   DisplayMesh display;

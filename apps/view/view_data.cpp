@@ -16,7 +16,7 @@
 namespace vdwmesh::apps {
 namespace {
 
-// NumberedTexts that values get in the order in which they are first met.
+// Numbers texts in the order in which they are first met.
 class NumberedTexts {
  public:
   std::size_t number_of(const std::string& value) {
@@ -42,11 +42,6 @@ auto column_of(const Rows& rows, const Of& of) {
 // Thousandths of Å are finer than a pixel, and short.
 double short_length(double length) { return std::round(length * 1000) / 1000; }
 
-std::string shown_chain(const Atom& atom) {
-  const std::string chain = atom.chain.empty() ? atom.segment.str() : atom.chain.str();
-  return atom.model == 1 ? chain : std::to_string(atom.model) + '/' + chain;
-}
-
 // The residues in the order of their first atoms, with the sums of the areas of their atoms.
 struct ResidueColumns {
   std::vector<const Atom*> first;
@@ -70,7 +65,7 @@ ResidueColumns residues_of(const StructureView& view) {
 
 void write_atoms(JsonText& json, const StructureView& view, const ResidueColumns& residues) {
   const std::vector<Atom>& atoms = view.molecule.atoms;
-  NumberedTexts elements, chains;
+  NumberedTexts elements;
   json.object("atoms", [&] {
     json("name", column_of(atoms, [](const Atom& a) { return a.name.str(); }));
     json("element", column_of(atoms, [&](const Atom& a) { return elements.number_of(a.element); }));
@@ -84,13 +79,14 @@ void write_atoms(JsonText& json, const StructureView& view, const ResidueColumns
   });
   json.object("residues", [&] {
     const auto& first = residues.first;
-    json("chain",
-         column_of(first, [&](const Atom* a) { return chains.number_of(shown_chain(*a)); }));
+    json("chain", column_of(first, [&](const Atom* a) {
+           return view.chains.of_atom[static_cast<std::size_t>(a - atoms.data())];
+         }));
     json("number", column_of(first, [](const Atom* a) { return a->residue_number.str(); }));
     json("name", column_of(first, [](const Atom* a) { return a->residue_name.str(); }));
     json("area", column_of(residues.areas, [](const WideSum& sum) { return sum.value(); }));
   });
-  json("chains", chains.values());
+  json("chains", view.chains.names);
   json.list("elements", elements.values(), [&](const std::string& element) {
     const RgbColor color = element_color(element);
     json("element", element), json("color", std::vector<int>(color.begin(), color.end()));
@@ -108,7 +104,7 @@ std::vector<double> spheres_of(const PocketRow& pocket) {
   return numbers;
 }
 
-void write_places(JsonText& json, const StructureView& view) {
+void write_pockets_and_interfaces(JsonText& json, const StructureView& view) {
   json("pocket_probe", view.probe);
   json.list("pockets", view.report.pockets->pockets, [&](const PocketRow& pocket) {
     describe(json, pocket);
@@ -132,7 +128,7 @@ std::string view_json(const StructureView& view, const std::string& name, const 
   json("version", kVersion), json("name", name);
   json("input", report.input), json("exact", report.exact), json("excluded", report.excluded);
   write_atoms(json, view, residues_of(view));
-  write_places(json, view);
+  write_pockets_and_interfaces(json, view);
   json.object("mesh", [&] {
     describe_packed(json, view.display.mesh, box);
     json("has_kinds", !view.display.kinds.empty());

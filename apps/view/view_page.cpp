@@ -1,6 +1,4 @@
 // Puts the page of a structure together.
-#include <filesystem>
-
 #include "assets.hpp"
 #include "page/packed_mesh.hpp"
 #include "page/page_parts.hpp"
@@ -13,11 +11,11 @@ std::string view_html(const StructureView& view) {
   std::string bytes;
   const Box box = append_mesh(shown.mesh, bytes);
   append_planes(shown.atoms, bytes);
-  for (const PatchKind kind : shown.kinds) bytes += static_cast<char>(kind);
-  const std::string name = std::filesystem::path(view.report.input.path).filename().string();
+  for (const PatchKind kind : shown.kinds) bytes += static_cast<char>(kind);  // by view_surface.js
+  const std::string& name = view.report.input.path;
   return fill_template(
       "view.html",
-      {{"{{title}}", escape_html("vdwmesh view: " + name)},
+      {{"{{title}}", escape_html(name + ": surface, pockets and interfaces")},
        {"{{style}}", std::string(asset("view.css"))},
        {"{{data}}",
         data_block("structure", view_json(view, name, box)) + data_block("mesh", bytes)},

@@ -245,6 +245,15 @@ def _with_gradient(
     return ExactUnion(**as_arrays(found), gradient=gradient)
 
 
+def pulled_back(
+    coords: NDArray[Any], radii: NDArray[Any], weights: tuple[Any, Any], **options: Any
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Derivatives of the weighted areas plus the weighted volumes by coordinates and by radii."""
+    gradient = exact(coords, radii, gradient=True, weights=weights, **options).gradient
+    assert gradient is not None
+    return gradient.area_coords + gradient.volume_coords, gradient.area_radii + gradient.volume_radii
+
+
 def _as_frames(centers: NDArray[Any] | CudaInput) -> NDArray[Any] | CudaInput:
     return centers.as_frames() if isinstance(centers, CudaInput) else centers[np.newaxis]
 

@@ -27,7 +27,7 @@ class Complementarity:
         1 for surfaces that are each other's image; NaN where no part of a side is farther than 1.5 Å
         from what is not buried.
     error : float
-        Estimate of the error of `sc`; samples are doubled until it is below 0.002.
+        Estimate of the error of `sc`; samples are doubled until it is below 0.002. NaN where `sc` is.
     median_a, median_b : float
         Of both sides; `sc` is their mean.
     fitted_a, fitted_b : float

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vdwmesh._exact import exact
+from vdwmesh._exact import exact, pulled_back
 from vdwmesh.errors import InvalidInput
 
 jax: Any = import_module("jax")  # types are not checked, whether it is installed or not
@@ -76,12 +76,9 @@ def _measured(probe: float, threads: int | None, coords: Any, radii: Any) -> tup
     return union.atom_area.astype(radii.dtype), union.atom_volume.astype(radii.dtype)
 
 
-def _pulled_back(probe: float, threads: int | None, coords: Any, radii: Any, *cotangents: Any) -> tuple[Any, Any]:
-    weights = tuple(_double(*cotangents))
-    places, sizes = _double(coords, radii)
-    found = exact(places, sizes, probe=probe, threads=threads, gradient=True, weights=weights).gradient
-    assert found is not None
-    by_coords, by_radii = found.area_coords + found.volume_coords, found.area_radii + found.volume_radii
+def _pulled_back(probe: float, threads: int | None, coords: Any, radii: Any, area_grads: Any, volume_grads: Any) -> tuple[Any, Any]:
+    places, sizes, *weights = _double(coords, radii, area_grads, volume_grads)
+    by_coords, by_radii = pulled_back(places, sizes, (weights[0], weights[1]), probe=probe, threads=threads)
     return by_coords.astype(radii.dtype), by_radii.astype(radii.dtype)
 
 

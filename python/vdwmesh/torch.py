@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from vdwmesh._exact import exact
+from vdwmesh._exact import exact, pulled_back
 
 torch: Any = import_module("torch")  # types are not checked, whether it is installed or not
 once_differentiable = torch.autograd.function.once_differentiable
@@ -77,11 +77,5 @@ class _Measures(torch.autograd.Function):  # type: ignore[misc]
     def backward(ctx: Any, area_grads: Any, volume_grads: Any) -> tuple[Any, Any, None, None]:
         coords, radii = ctx.saved_tensors
         weights = (_array(area_grads), _array(volume_grads))
-        found = exact(_array(coords), _array(radii), gradient=True, weights=weights, **ctx.options).gradient
-        assert found is not None
-        return (
-            torch.tensor(found.area_coords + found.volume_coords).to(coords),
-            torch.tensor(found.area_radii + found.volume_radii).to(radii),
-            None,
-            None,
-        )
+        by_coords, by_radii = pulled_back(_array(coords), _array(radii), weights, **ctx.options)
+        return torch.tensor(by_coords).to(coords), torch.tensor(by_radii).to(radii), None, None

@@ -137,8 +137,8 @@ void append_to_each(std::vector<std::vector<T>>& total, const std::vector<std::v
 // everything found in the order of the indices. The monitor is asked whether to stop, once a block.
 // Blocks are small, so that some thousand indices are for all cores; nothing depends on them.
 template <class Item, class Add>
-std::vector<Item> collect(std::size_t count, const Add& add, Monitor* monitor = nullptr) {
-  constexpr std::size_t per_block = 2048;
+std::vector<Item> collect(std::size_t count, const Add& add, Monitor* monitor = nullptr,
+                          std::size_t per_block = 2048) {
   std::vector<std::vector<Item>> parts(block_count(count, per_block));
   for_each_block(count, per_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
     advance(monitor, 0);

@@ -159,12 +159,14 @@ class NearestPlaces {
     if (search.last) {
       find_near(point, squared_norm(targets_[*search.last].at.point - point), search);
     } else {
-      for (double reach = 1; !search.last && reach < 2 * most; reach *= 2)
+      for (double reach = 1; !search.last; reach *= 2) {
         find_near(point, reach * reach, search);
+        if (reach >= most) break;
+      }
     }
     if (!search.last) return std::nullopt;
     const double least = squared_norm(targets_[*search.last].at.point - point);
-    if (least > most * most) return std::nullopt;
+    if (least > most * most + more()) return std::nullopt;  // targets are beside the place
     return nearest_on_patches(point, least, search);
   }
 
@@ -223,11 +225,7 @@ class NearestPlaces {
 };
 
 // Where exp(-w d²) is below 1e-12, S is taken for 0. No S changes by more, so no quantile does.
-double farthest(double weight) {
-  constexpr double kLeastWeight = 1e-12;
-  constexpr double kFarthest = 64;  // Å, where w is next to nothing
-  return std::min(std::sqrt(std::log(1 / kLeastWeight) / weight), kFarthest);
-}
+double farthest(double weight) { return std::sqrt(std::log(1e12) / weight); }
 
 // Sets fit and weight of the samples of one side.
 void compare(SampledSide& own, const SampledSide& other, const ComplementarityOptions& options) {
@@ -281,7 +279,7 @@ class SpreadMedian {
   // The least standard error of a median of samples that are spread evenly over an area. Only those
   // of cells are left to chance through which the line of the median runs, each with a variance of
   // 1/6 of its weight squared. The line divides the area, so it is not shorter than a circle of
-  // half the area. `density` of values at the median turns shares into values.
+  // half the area. `around`, the share within kWidth of the median, turns shares into values.
   double least_error() const {
     if (values_.empty()) return std::numeric_limits<double>::quiet_NaN();
     const double count = static_cast<double>(values_.size());
@@ -403,12 +401,15 @@ SphereSet atoms_near(const SphereSet& own, const SphereSet& other,
 Complementarity complementarity(const SphereSet& a, const SphereSet& b,
                                 const ComplementarityOptions& options) {
   if (a.empty() || b.empty()) throw InvalidInput("a side without atoms has no surface to fit");
+  if (!(options.weight >= 0.01 && std::isfinite(options.weight)))
+    throw InvalidInput("the weight of shape complementarity needs to be at least 0.01 Å⁻²");
   const SphereSet grown_a = excluded::grown_by(a, options.probe),
                   grown_b = excluded::grown_by(b, options.probe);
   const CellList list_a = make_ball_list(grown_a), list_b = make_ball_list(grown_b);
   const SphereSet near_a = atoms_near(a, b, options), near_b = atoms_near(b, a, options);
   Complementarity found{};
-  found.sc = found.median_a = found.median_b = std::numeric_limits<double>::quiet_NaN();
+  found.sc = found.error = found.median_a = found.median_b =
+      std::numeric_limits<double>::quiet_NaN();
   if (near_a.empty() || near_b.empty()) return found;
   const Points centers = centers_of(near_a, near_b);
   const AxesSource axes(centers);
@@ -418,9 +419,13 @@ Complementarity complementarity(const SphereSet& a, const SphereSet& b,
   double before = std::numeric_limits<double>::infinity();  // of the round with half the density
   for (double density = options.density; density <= options.most_density; density *= 2) {
     found = measure_round(side_a, side_b, density, options);
+    if (!std::isfinite(found.sc)) {
+      found.error = found.sc;
+      break;
+    }
     found.error = std::max(found.error, std::abs(found.sc - before));
     before = found.sc;
-    if (!std::isfinite(found.sc) || found.error <= options.tolerance) break;
+    if (found.error <= options.tolerance) break;
   }
   return found;
 }

@@ -22,7 +22,7 @@ namespace vdwmesh {
 
 struct ComplementarityOptions {
   double probe = 1.4;        // Å
-  double weight = 0.5;       // w, Å⁻²
+  double weight = 0.5;       // w, Å⁻², at least 0.01
   double rim = 1.5;          // Å
   double tolerance = 0.002;  // the error of Sc with which rounds end
   double density = 16;       // samples per Å² to begin with, in four placements
@@ -34,7 +34,8 @@ struct ComplementarityOptions {
 struct Complementarity {
   double sc = 0;  // NaN if one of the fitted patches is empty
   // Estimate: the standard error by the spread of the placements, not below what as many samples
-  // leave at least; or the last change, since what is left of the bias falls as 1/density.
+  // leave at least; or the last change, since what is left of the bias falls as 1/density. NaN
+  // where sc is.
   double error = 0;
   double median_a, median_b;  // of S over the patch of each side
   double fitted_a, fitted_b;  // Å² of the fitted patches

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
-#include "analysis/distances/sphere_lattice.hpp"
 #include "core/vec3.hpp"
 #include "measures/arcs/arc_cap.hpp"
 
@@ -30,6 +30,8 @@ inline TiltedCap tilted_cap(const Vec3d& first, const Vec3d& second, const Vec3d
 // Ranges of one circle, angles from 0 to 2 π.
 class CoveredAngles {
  public:
+  static constexpr double kWhole = 2 * std::numbers::pi;
+
   void clear() { ranges_.clear(); }
 
   // Adds what a cap covers of the circle that is at this height on the axis.
@@ -37,15 +39,15 @@ class CoveredAngles {
     const double missing = cap.least - height * cap.along, most = radius * cap.across;
     if (missing >= most) return;
     if (missing <= -most) {
-      ranges_.push_back({0, kTwoPi});
+      ranges_.push_back({0, kWhole});
       return;
     }
     const double half = std::acos(missing / most);
     double from = cap.azimuth - half;
-    if (from < 0) from += kTwoPi;
+    if (from < 0) from += kWhole;
     const double to = from + 2 * half;
-    ranges_.push_back({from, std::min(to, kTwoPi)});
-    if (to > kTwoPi) ranges_.push_back({0, to - kTwoPi});
+    ranges_.push_back({from, std::min(to, kWhole)});
+    if (to > kWhole) ranges_.push_back({0, to - kWhole});
   }
 
   void set(const std::vector<TiltedCap>& caps, double height, double radius) {

@@ -16,8 +16,7 @@ constexpr double kCellsPerPoint = 64, kCellsMore = 4096;
 
 PointGrid::PointGrid(std::span<const Vec3d> points, double cell) : width_(cell) {
   if (points.empty()) return;
-  Box box = empty_box();
-  for (const Vec3d& point : points) include(box, point);
+  const Box box = box_around(points);
   lower_ = box.lower;
   const Vec3d extent = box.upper - box.lower;
   const auto cells = [&] {

@@ -2,9 +2,11 @@
 // saddles from the arcs on which the probe rolls.
 #include "interface/side_samples.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "analysis/distances/sphere_lattice.hpp"
 #include "core/fixed_blocks.hpp"
 #include "spheres/directions.hpp"
 
@@ -31,17 +33,7 @@ std::uint64_t count_for(double area, double density) {
 // Patches smaller than this, Å², are rounding.
 constexpr double kLeastArea = 1e-9;
 
-// All that add(i, found) adds, in the order of i; made on all cores in small blocks.
-template <class Item, class Add>
-std::vector<Item> gathered(std::size_t count, Monitor* monitor, const Add& add) {
-  constexpr std::size_t kTogether = 64;
-  std::vector<std::vector<Item>> parts(block_count(count, kTogether));
-  for_each_block(count, kTogether, [&](std::size_t block, std::size_t first, std::size_t end) {
-    advance(monitor, 0);
-    for (std::size_t i = first; i < end; ++i) add(i, parts[block]);
-  });
-  return joined(parts);
-}
+constexpr std::size_t kTogether = 64;  // patches of a block
 
 std::uint32_t size_of(std::size_t size) { return static_cast<std::uint32_t>(size); }
 
@@ -78,15 +70,19 @@ SideSampler::SideSampler(const SphereSet& own, const CellListView& others, const
     neighbors_[edge.vertices[1]].push_back(edge.vertices[0]);
   }
   const std::size_t balls = neighbors_.size();
-  spheres_ = gathered<SpherePatch>(balls + s.probes.size(), monitor, [&](auto i, auto& found) {
+  const auto add_sphere = [&](std::size_t i, std::vector<SpherePatch>& found) {
     i < balls ? add_contact(size_of(i), found) : add_concave(size_of(i - balls), found);
-  });
-  saddles_ = gathered<Saddle>(s.arcs.size(), monitor,
-                              [&](auto i, auto& found) { add_saddle(s.arcs[i], found); });
+  };
+  spheres_ = collect<SpherePatch>(balls + s.probes.size(), add_sphere, monitor, kTogether);
+  const auto add_tube = [&](std::size_t i, std::vector<Saddle>& found) {
+    add_saddle(s.arcs[i], found);
+  };
+  saddles_ = collect<Saddle>(s.arcs.size(), add_tube, monitor, kTogether);
   const std::size_t spheres = spheres_.size();
-  border_ = gathered<Vec3d>(spheres + saddles_.size(), monitor, [&](auto i, auto& found) {
+  const auto add_points = [&](std::size_t i, std::vector<Vec3d>& found) {
     i < spheres ? add_border(spheres_[i], found) : add_border(saddles_[i - spheres], found);
-  });
+  };
+  border_ = collect<Vec3d>(spheres + saddles_.size(), add_points, monitor, kTogether);
 }
 
 // A buried point is within a probe's diameter of a grown atom of the other side, less its radius.
@@ -125,7 +121,7 @@ void SideSampler::add_contact(std::uint32_t ball, std::vector<SpherePatch>& foun
 void SideSampler::add_concave(std::uint32_t probe, std::vector<SpherePatch>& found) const {
   const excluded::Probe& at = surface_.grown.surface.probes[probe];
   const Vec3d center = surface_.in_angstrom(at.center);
-  if (surface_.included[at.component] == 0 || !is_near(center, 2 * probe_ + rim_)) return;
+  if (!is_near(center, 2 * probe_ + rim_)) return;
   SpherePatch patch{.sphere = {center, probe_},
                     .outward = -1,
                     .axes = axes_.at(center),
@@ -200,7 +196,8 @@ bool SideSampler::holds(std::uint32_t patch, const Vec3d& point) const {
   const Saddle& saddle = saddles_[patch - spheres_.size()];
   const Vec3d from = point - saddle.center;
   const double x = arcs::inner(from, saddle.first), y = arcs::inner(from, saddle.second);
-  const double turn = std::atan2(y, x), whole = turn < -kSlack ? turn + kTwoPi : turn;
+  const double turn = std::atan2(y, x),
+               whole = turn < -kSlack ? turn + CoveredAngles::kWhole : turn;
   if (whole > saddle.angle + kSlack) return false;
   const double profile =
       std::atan2(arcs::inner(from, saddle.axis), saddle.circle_radius - std::sqrt(x * x + y * y));
@@ -226,7 +223,7 @@ void SideSampler::add_border(const SpherePatch& patch, std::vector<Vec3d>& borde
       }
     }
     cover.join();
-    cover.each_part({0, kTwoPi}, [&](const AngleRange& part, bool is_covered) {
+    cover.each_part({0, CoveredAngles::kWhole}, [&](const AngleRange& part, bool is_covered) {
       if (is_covered) return;
       const double length = (part.to - part.from) * radius * patch.sphere.radius;
       const double count = std::ceil(length / kBorderStep);
@@ -257,10 +254,11 @@ void SideSampler::add_border(const Saddle& saddle, std::vector<Vec3d>& border) c
 std::vector<PatchSample> SideSampler::samples(double density, std::uint64_t seed) const {
   const Placement placement(Random(seed, 0));
   const std::size_t spheres = spheres_.size();
-  return gathered<PatchSample>(spheres + saddles_.size(), nullptr, [&](auto i, auto& found) {
+  const auto add = [&](std::size_t i, std::vector<PatchSample>& found) {
     i < spheres ? sample_sphere(size_of(i), density, placement, found)
                 : sample_saddle(size_of(i), density, placement, found);
-  });
+  };
+  return collect<PatchSample>(spheres + saddles_.size(), add, nullptr, kTogether);
 }
 
 // The parts of rings that are in a patch, open ones and buried ones. The rings are of equal width,
@@ -290,7 +288,7 @@ std::array<std::vector<SideSampler::Part>, 2> SideSampler::parts_of(
     const auto add = [&](const AngleRange& range, bool is_buried) {
       parts[is_buried].push_back({height, radius, range, r * r * wide * (range.to - range.from)});
     };
-    cover.each_part({0, kTwoPi}, [&](const AngleRange& part, bool is_covered) {
+    cover.each_part({0, CoveredAngles::kWhole}, [&](const AngleRange& part, bool is_covered) {
       if (is_covered) return;
       patch.all_buried ? add(part, true) : buried.each_part(part, add);
     });

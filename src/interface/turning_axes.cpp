@@ -2,6 +2,7 @@
 // one after the other. What is too short to tell a direction is left to the next.
 #include "interface/turning_axes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 

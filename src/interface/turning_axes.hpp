@@ -14,7 +14,6 @@ namespace vdwmesh {
 struct TurningAxes {
   std::array<Vec3d, 3> axis;
 
-  Vec3d local(const Vec3d& v) const { return {dot(axis[0], v), dot(axis[1], v), dot(axis[2], v)}; }
   Vec3d in_space(const Vec3d& v) const { return v.x * axis[0] + v.y * axis[1] + v.z * axis[2]; }
   // A unit vector at right angles to v, which has length 1.
   Vec3d across(const Vec3d& v) const;

@@ -1,7 +1,7 @@
 "use strict";
 // The meshes of a study, and what they are called.
 
-// Triangles that share no vertex, so that each has a colour of its own, with smooth normals.
+// A mesh with what its colours show.
 async function readScene(number, description) {
   const bytes = await unpack("scene-" + number);
   const { vertices, triangles } = description;

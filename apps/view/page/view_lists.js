@@ -1,13 +1,18 @@
 "use strict";
 // Figures in words, and the lists of pockets and interfaces.
 
-function countText(count, one, many) {
-  return `${formatNumber(count)} ${count === 1 ? one : many ?? one + "s"}`;
+function countText(count, one) {
+  return `${formatNumber(count)} ${count === 1 ? one : one + "s"}`;
+}
+
+// Nothing for atoms without a chain, which the program calls "(no chain)".
+function chainText(name) {
+  return name.endsWith("(no chain)") ? "" : `chain ${name}`;
 }
 
 function residueText(s, residue) {
   const { name, number, chain } = s.residues;
-  const parts = [name[residue] && `${name[residue]} ${number[residue]}`, s.chains[chain[residue]] && `chain ${s.chains[chain[residue]]}`];
+  const parts = [name[residue] && `${name[residue]} ${number[residue]}`, chainText(s.chains[chain[residue]])];
   return parts.filter(Boolean).join(", ") || `residue ${residue + 1}`;
 }
 
@@ -66,7 +71,6 @@ function figureRows(s) {
 
 function drawFigures(s) {
   byId("name").textContent = s.name;
-  document.title = `${s.name}: surface, pockets and interfaces`;
   const kinds = ["pocket", "channel", "void"].map((kind) => [s.pockets.filter((p) => p.kind === kind).length, kind]);
   const found = kinds.filter(([n]) => n > 0).map(([n, kind]) => countText(n, kind));
   const exact = s.excluded ? s.excluded.complete : s.exact;

@@ -109,7 +109,7 @@ function drawPlots(s, choose) {
     holder.className = "plot";
     wide.className = "wide";
     const area = residues.reduce((sum, r) => sum + s.residues.area[r], 0);
-    const name = s.chains[chain] ? `Chain ${s.chains[chain]}` : "All";
+    const name = s.chains.length === 1 && !chainText(s.chains[chain]) ? "All" : `Chain ${s.chains[chain]}`;
     title.textContent = `${name}: ${countText(residues.length, "residue")}, ${formatFixed(area, 1)} Å²`;
     holder.append(title, wide);
     byId("plots").append(holder);

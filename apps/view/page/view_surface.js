@@ -4,6 +4,7 @@
 // Okabe and Ito's colours, which people with colour-blindness can tell apart; then hues in turn.
 const seriesColors = [[86, 180, 233], [230, 159, 0], [0, 158, 115], [204, 121, 167], [240, 228, 66], [0, 114, 178],
   [213, 94, 0]];
+// Of PatchKind, in its order; the colours are those of render (apps/steps/picture.cpp).
 const kindColors = [[140, 191, 230], [242, 191, 77], [204, 120, 166]];
 const kindNames = ["contact (on an atom)", "saddle (between two atoms)", "concave (between three)"];
 const plainColor = [204, 204, 199], fadedColor = [150, 156, 163];
@@ -41,7 +42,7 @@ const colorings = {
     legend: (s) => s.elements.map((e) => [e.element, e.color]) },
   chain: { title: "chain",
     atom: (s, i) => seriesColor(s.residues.chain[s.atoms.residue[i]]),
-    legend: (s) => s.chains.map((name, i) => [name || "(no chain)", seriesColor(i)]) },
+    legend: (s) => s.chains.map((name, i) => [name, seriesColor(i)]) },
   residue: { title: "residue",
     atom: (s, i) => residueClasses[classOf(s.residues.name[s.atoms.residue[i]])][1],
     legend: (s) => [...new Set(s.residues.name.map(classOf))].sort().map((c) => residueClasses[c].slice(0, 2)) },

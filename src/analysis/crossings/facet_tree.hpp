@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/crossings/hub_pairs.hpp"
 #include "analysis/survey/mesh_area.hpp"
 #include "core/buffer.hpp"
 #include "core/lanes/lane_masks.hpp"
+#include "core/no_index.hpp"
 #include "spheres/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
@@ -36,7 +36,7 @@ class FacetTree {
   // The triangle of the mesh at a place of the tree's order. Leaf k has the places from kLeaf k.
   std::uint32_t triangle_at(std::size_t place) const { return order_[place]; }
   bool is_left_out(std::uint32_t triangle) const {
-    return !hubs_.empty() && hubs_[triangle] != kNoHub;
+    return !hubs_.empty() && hubs_[triangle] != kNoIndex;
   }
   // The number of nodes whose children are leaves. Node n has the leaves from kWidth n.
   std::size_t bottom_nodes() const { return levels_.empty() ? 0 : levels_.front().size(); }

@@ -51,7 +51,7 @@ Buffer<std::uint32_t> hubs_of_triangles(const IndexedMesh& mesh) {
   if (!any) return hubs;
   hubs.resize(mesh.triangle_count());
   for_all(hubs.size(), [&](std::size_t t) {
-    hubs[t] = kNoHub;
+    hubs[t] = kNoIndex;
     for (const std::uint32_t v : mesh.triangles[t])
       if (counts[v] >= kLeastCounted) hubs[t] = std::min(hubs[t], v);
   });
@@ -132,8 +132,8 @@ void HubStar::build(std::uint32_t first, std::uint32_t end) {
     const Spoke& spoke = spokes_[i];
     const Vec3d middle = spoke.ends[0] + spoke.ends[1];
     include(box, box_of(mesh_, spoke.triangle));
-    include(directions, Box{spoke.ends[0], spoke.ends[0]});
-    include(directions, Box{spoke.ends[1], spoke.ends[1]});
+    include(directions, spoke.ends[0]);
+    include(directions, spoke.ends[1]);
     if (is_known(middle))
       include(middles, middle);
     else

@@ -23,16 +23,15 @@
 #include "analysis/crossings/facet_pair.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "core/buffer.hpp"
+#include "core/no_index.hpp"
 #include "spheres/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 
-// By triangle, the lowest of its vertices that are hubs, or kNoHub. Empty if there are no hubs. A
-// vertex of kSurelyHub triangles nearly always is one, and one of fewer than 32 never: one triangle
-// of eight is counted. Which are hubs changes what a search takes, not what it finds.
-inline constexpr std::uint32_t kNoHub = ~std::uint32_t{0};
-inline constexpr std::size_t kSurelyHub = 512;
+// By triangle, the lowest of its vertices that are hubs, or kNoIndex. Empty if there are no hubs. A
+// vertex of 512 triangles nearly always is one, and one of fewer than 32 never: one triangle of
+// eight is counted. Which are hubs changes what a search takes, not what it finds.
 Buffer<std::uint32_t> hubs_of_triangles(const IndexedMesh& mesh);
 
 // The planes through the hub by which the cone of a triangle is told from others.

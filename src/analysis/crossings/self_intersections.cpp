@@ -252,15 +252,23 @@ VDWMESH_MULTIVERSION void search_from(const SearchInput& mesh, std::size_t first
   }
 }
 
-// Calls visit(first, end) for each run of triangles with one hub, in the order of the hubs, and
-// those without one left out. `triangles` are in that order.
-template <class Visit>
-void for_each_hub(const std::vector<std::uint32_t>& triangles, const Buffer<std::uint32_t>& hubs,
-                  const Visit& visit) {
-  for (std::size_t first = 0, end = 0; first < triangles.size(); first = end) {
-    while (end < triangles.size() && hubs[triangles[end]] == hubs[triangles[first]]) ++end;
-    visit(first, end);
+// The triangles of one hub: of a list in the order of hubs.
+struct HubTriangles {
+  std::size_t first, end;
+  Box box;  // around all of them, Å
+};
+
+std::vector<HubTriangles> group_by_hub(const IndexedMesh& mesh,
+                                       const std::vector<std::uint32_t>& triangles,
+                                       const Buffer<std::uint32_t>& hubs) {
+  std::vector<HubTriangles> groups;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (i == 0 || hubs[triangles[i]] != hubs[triangles[i - 1]])
+      groups.push_back({i, i, empty_box()});
+    include(groups.back().box, box_of(mesh, triangles[i]));
+    groups.back().end = i + 1;
   }
+  return groups;
 }
 
 // Appends the triangles of the tree in whose boxes the star may be.
@@ -285,28 +293,36 @@ void search_hubs(const IndexedMesh& mesh, const FacetTree& tree, const Buffer<st
                  Monitor* monitor, const TakePairs& take) {
   std::vector<std::uint32_t> triangles;
   for (std::uint32_t t = 0; t < hubs.size(); ++t)
-    if (hubs[t] != kNoHub) triangles.push_back(t);
+    if (hubs[t] != kNoIndex) triangles.push_back(t);
   std::sort(triangles.begin(), triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::pair(hubs[a], a) < std::pair(hubs[b], b);
   });
-  for_each_hub(triangles, hubs, [&](std::size_t first, std::size_t end) {
+  // A hub has hundreds of triangles, so all pairs of hubs are few.
+  const std::vector<HubTriangles> groups = group_by_hub(mesh, triangles, hubs);
+  for (std::size_t group = 0; group < groups.size(); ++group) {
+    advance(monitor, 0);
+    const auto& [first, end, box] = groups[group];
     const HubStar star(mesh, hubs[triangles[first]],
                        std::span(triangles).subspan(first, end - first));
     std::vector<std::uint32_t> others;
     add_near(mesh, tree, star, others);
-    for (std::size_t i = end; i < triangles.size(); ++i)
-      if (meet(star.box(), box_of(mesh, triangles[i]))) others.push_back(triangles[i]);
+    for (std::size_t other = group + 1; other < groups.size(); ++other) {
+      if (!meet(box, groups[other].box)) continue;
+      for (std::size_t i = groups[other].first; i < groups[other].end; ++i)
+        if (meet(star.box(), box_of(mesh, triangles[i]))) others.push_back(triangles[i]);
+    }
     for_each_block(star.size() + others.size(), kNodesPerBlock,
                    [&](std::size_t, std::size_t begin, std::size_t past) {
                      TrianglePairs found;
                      for (std::size_t i = begin; i < past; ++i) {
                        i < star.size() ? star.join_own(i, monitor, found)
                                        : star.join_other(others[i - star.size()], monitor, found);
+                       if (!found.empty()) take(found);
+                       found.clear();
                      }
                      advance(monitor, 0);
-                     if (!found.empty()) take(found);
                    });
-  });
+  }
 }
 
 // search_from() all bottom nodes, from several threads, and what the tree leaves out.

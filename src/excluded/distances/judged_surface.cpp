@@ -196,12 +196,6 @@ std::vector<Cover> JudgedSurface::covers_of(std::uint32_t probe) const {
   return covers;
 }
 
-Vec3d JudgedSurface::on_circle(const RolledArc& arc, double turn) const {
-  const Vec3d start = start_of(arc);
-  const Vec3d radial = std::cos(turn) * start + std::sin(turn) * cross(arc.axis, start);
-  return in_angstrom(arc.center + arc.circle_radius * radial);
-}
-
 Vec3d JudgedSurface::on_saddle(const RolledArc& arc, double turn, double profile) const {
   const double p = grown.surface.probe_radius;
   const Vec3d start = start_of(arc);

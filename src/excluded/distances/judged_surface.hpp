@@ -72,9 +72,7 @@ struct JudgedSurface {
   // patch is the rest: the caps are a half-sphere behind each side, and what other probes cover.
   std::vector<PatchSide> sides_of(std::uint32_t probe) const;
   std::vector<Cover> covers_of(std::uint32_t probe) const;
-  // The centre of the probe at a turn along an arc, and the point that it touches at a profile
-  // angle, Å.
-  Vec3d on_circle(const RolledArc& arc, double turn) const;
+  // The point that the probe touches, at a turn along an arc, at a profile angle. Å
   Vec3d on_saddle(const RolledArc& arc, double turn, double profile) const;
 
   // A scaled position relative to the origin of the accessible surface, in Å.

@@ -38,16 +38,7 @@ std::size_t SurfaceSamples::element_count() const {
 
 void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& inside,
                          std::vector<Vec3d>& border, const std::function<void()>& take) const {
-  add_to({inside, border, take}, element);
-}
-
-void SurfaceSamples::add(std::size_t element, std::vector<Vec3d>& points,
-                         std::vector<Vec3d>& probes) const {
-  std::vector<Vec3d> border;
-  add_to({points, border, [] {}, &probes}, element);
-}
-
-void SurfaceSamples::add_to(const Sink& sink, std::size_t element) const {
+  const Sink sink{inside, border, take};
   const AccessibleSurface& s = surface_.grown.surface;
   const Random random(seed_, element);
   if (element < contacts_.size()) return add_contact(contacts_[element], random, sink);
@@ -66,14 +57,12 @@ void SurfaceSamples::add_contact(const Patch& grown, Random random, const Sink& 
   Patch patch = grown;
   patch.ball.radius -= probe_;
   const double growth = grown.ball.radius / patch.ball.radius;
-  const auto probe_at = [&](const Vec3d& point) {
-    return grown.ball.center + growth * (point - grown.ball.center);
-  };
   const auto is_included = [&](const Vec3d& point) {
-    return surface_.includes_point(sphere_of_[grown.place], probe_at(point));
+    const Vec3d probe = grown.ball.center + growth * (point - grown.ball.center);
+    return surface_.includes_point(sphere_of_[grown.place], probe);
   };
   sample_patch(patch, density_, random, [&](const Vec3d& point) {
-    if (is_included(point)) sink.add_inside(point, probe_at(point));
+    if (is_included(point)) sink.add_inside(point);
   });
   for (std::uint32_t i = 0; i < patch.corner_count; ++i) {
     const Vec3d corner = patch.ball.center + patch.ball.radius * patch.corners[i].position;
@@ -97,8 +86,7 @@ void SurfaceSamples::add_saddle(const RolledArc& arc, Random random, const Sink&
       const double along = shift + static_cast<double>(i) * kInverseGoldenRatio;
       const double across = (static_cast<double>(i) + random.next()) / static_cast<double>(count);
       const double turn = arc.angle * (along - std::floor(along));
-      sink.add_inside(surface_.on_saddle(arc, turn, profile_at(rho, p, range, across)),
-                      surface_.on_circle(arc, turn));
+      sink.add_inside(surface_.on_saddle(arc, turn, profile_at(rho, p, range, across)));
     }
     for (const double turn : {0.0, 0.5 * arc.angle, arc.angle}) {
       for (const double profile : {range.from, 0.5 * (range.from + range.to), range.to}) {
@@ -120,8 +108,7 @@ void SurfaceSamples::add_concave(std::uint32_t probe, Random random, const Sink&
                     0,
                     covers.data(),
                     nullptr};
-  sample_patch(patch, density_, random,
-               [&](const Vec3d& point) { sink.add_inside(point, patch.ball.center); });
+  sample_patch(patch, density_, random, [&](const Vec3d& point) { sink.add_inside(point); });
   Vec3d middle{0, 0, 0};
   for (const PatchSide& side : sides) middle = middle + side.contact[0];
   if (!(squared_norm(middle) > 0) || !is_exposed(patch, unit(middle))) return;

@@ -36,20 +36,13 @@ class SurfaceSamples {
   static constexpr std::size_t kTogether = std::size_t{1} << 14;
   void add(std::size_t element, std::vector<Vec3d>& inside, std::vector<Vec3d>& border,
            const std::function<void()>& take) const;
-  // Adds those that count for all statistics, and for each the centre of the probe that touches the
-  // surface there: the normal points to it.
-  void add(std::size_t element, std::vector<Vec3d>& points, std::vector<Vec3d>& probes) const;
 
  private:
   // Points go one after the other into both lists.
   struct Sink {
     std::vector<Vec3d>&inside, &border;
     const std::function<void()>& take;
-    std::vector<Vec3d>* probes = nullptr;
-    void add_inside(const Vec3d& point, const Vec3d& probe) const {
-      if (probes != nullptr) probes->push_back(probe);
-      add(inside, point);
-    }
+    void add_inside(const Vec3d& point) const { add(inside, point); }
     void add_border(const Vec3d& point) const { add(border, point); }
 
    private:
@@ -58,7 +51,6 @@ class SurfaceSamples {
       if (points.size() >= kTogether) take();
     }
   };
-  void add_to(const Sink& sink, std::size_t element) const;
   void add_contact(const Patch& grown, Random random, const Sink& sink) const;
   void add_saddle(const RolledArc& arc, Random random, const Sink& sink) const;
   void add_concave(std::uint32_t probe, Random random, const Sink& sink) const;

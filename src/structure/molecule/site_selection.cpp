@@ -132,7 +132,7 @@ std::string SiteSelection::read_names(std::string_view text, ParsedFile& file,
   if (!place.empty() && place != "*") {
     const std::size_t first = first_field(place);
     if (first == 0) place.remove_prefix(1);
-    std::vector<std::string_view> fields(std::max<std::size_t>(first, 0), "*");
+    std::vector<std::string_view> fields(first, "*");
     for (const std::string_view field : split(place, '/')) fields.push_back(field);
     if (fields.size() > 4) misread(fields[4]);
     const std::size_t given = fields.size();

@@ -58,7 +58,10 @@ std::string_view NumberedLines::expect(std::string_view what) {
   return line_;
 }
 
-bool NumberedLines::is_at_end() const { return trimmed(rest_).empty(); }
+// Looks at the front alone: the text may end in many blanks, and frames ask often.
+bool NumberedLines::is_at_end() const {
+  return rest_.find_first_not_of(" \t\r\n\v\f") == rest_.npos;
+}
 
 void NumberedLines::refuse(const std::string& what) const {
   throw FileFormatError(fmt::format("{}:{}: {}", path_, number_, what));

@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <gemmi/model.hpp>
-#include <limits>
 #include <vector>
 
 #include "core/letters.hpp"
 #include "structure/molecule/elements.hpp"
 #include "structure/molecule/residue_elements.hpp"
 #include "structure/plain/atom_lines.hpp"
-#include "structure/read/hierarchy.hpp"
 #include "structure/read/lines.hpp"
 
 namespace vdwmesh {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <gemmi/elem.hpp>
+#include <optional>
 #include <vector>
 
 #include "structure/plain/atom_lines.hpp"

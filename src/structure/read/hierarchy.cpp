@@ -195,10 +195,10 @@ std::vector<std::uint32_t> residue_numbers(const ParsedFile& file,
   std::set<std::tuple<std::uint32_t, std::string_view, char>> held;  // residue, name, label
   std::uint32_t residues = 0;
   for (auto first = atoms.begin(); first != atoms.end();) {
-    std::vector<AtomIterator> ends =
-        beginnings(first, end_of_place(first), places[first->residue].residue->name);
+    const auto end = end_of_place(first);
+    std::vector<AtomIterator> ends = beginnings(first, end, places[first->residue].residue->name);
     ends.erase(ends.begin());
-    ends.push_back(end_of_place(first));
+    ends.push_back(end);
     std::uint32_t& number = current[firsts[first->residue]];
     for (const AtomIterator last : ends) {
       const bool again = number != kNone && std::any_of(first, last, [&](const AtomRecord& atom) {

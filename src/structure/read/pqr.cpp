@@ -8,7 +8,6 @@
 #include <array>
 #include <gemmi/model.hpp>
 #include <span>
-#include <utility>
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"

@@ -75,7 +75,7 @@ TEST_P(PairsOfStars, AreThoseOfCgal) {
   const auto add = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c, std::uint32_t hub) {
     const auto next = static_cast<std::uint32_t>(mesh.positions.size());
     mesh.positions.insert(mesh.positions.end(), {a, b, c});
-    mesh.triangles.push_back({hub == kNoHub ? next : hub, next + 1, next + 2});
+    mesh.triangles.push_back({hub == kNoIndex ? next : hub, next + 1, next + 2});
   };
   const Vec3d place{0.1, -1.0 / 3, 0.7}, other = place + Vec3d{0.3, 0.2, -0.4};
   mesh.positions = {place, other};
@@ -88,12 +88,34 @@ TEST_P(PairsOfStars, AreThoseOfCgal) {
   for (int t = 0; t < 60; ++t) {
     const Vec3d p = place + three_of([&] { return dice.real(-2, 2); });
     const auto near = [&] { return p + three_of([&] { return dice.real(-0.5, 0.5); }); };
-    add(near(), near(), near(), kNoHub);
+    add(near(), near(), near(), kNoIndex);
   }
-  add(place + Vec3d{1, 0, 0}, place + Vec3d{-1, 1, 0}, place + Vec3d{-1, -1, 0}, kNoHub);
+  add(place + Vec3d{1, 0, 0}, place + Vec3d{-1, 1, 0}, place + Vec3d{-1, -1, 0}, kNoIndex);
   const Buffer<std::uint32_t> hubs = hubs_of_triangles(mesh);
   ASSERT_EQ(std::ranges::count(hubs, 0u), kSpokes);
   ASSERT_EQ(std::ranges::count(hubs, 1u), kSpokes);
+  EXPECT_EQ(intersecting_pairs(mesh), CgalPairs(mesh).all());
+  // Huge, so that products overflow; tiny, so that they vanish; and with subnormal coordinates.
+  for (const double scale : {0x1p990, 0x1p-700, 0x1p-1060}) {
+    IndexedMesh scaled = mesh;
+    for (Vec3d& p : scaled.positions) p = scale * p;
+    EXPECT_EQ(intersecting_pairs(scaled), CgalPairs(scaled).all()) << scale;
+  }
+}
+
+// Differences from the hub overflow, so that no direction is known.
+TEST(PairsAtHubs, BeyondAllDoubles) {
+  constexpr double kFar = 1.2e308;
+  constexpr int kSpokes = 400;
+  Dice dice(5);
+  IndexedMesh mesh;
+  mesh.positions = {{-kFar, -kFar, -kFar}};
+  const auto part = [&] { return kFar * dice.real(0.5, 1); };
+  for (std::uint32_t t = 0; t < kSpokes; ++t) {
+    mesh.positions.insert(mesh.positions.end(), {three_of(part), three_of(part)});
+    mesh.triangles.push_back({0, 2 * t + 1, 2 * t + 2});
+  }
+  ASSERT_EQ(std::ranges::count(hubs_of_triangles(mesh), 0u), kSpokes);
   EXPECT_EQ(intersecting_pairs(mesh), CgalPairs(mesh).all());
 }
 

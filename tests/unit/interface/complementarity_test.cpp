@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "spheres/directions.hpp"
 #include "structure/reader.hpp"
 #include "support/shared_files.hpp"
 
@@ -105,22 +106,29 @@ TEST(Complementarity, AtomsFarBehindChangeNothing) {
 
 TEST(Complementarity, SidesApartHaveNone) {
   const Complementarity far = complementarity(ball_at(0, 2), ball_at(50, 2));
-  EXPECT_TRUE(std::isnan(far.sc));
+  EXPECT_TRUE(std::isnan(far.sc) && std::isnan(far.error));
   EXPECT_EQ(far.buried_a, 0);
   // Buried, but nowhere farther than the rim from what is not.
   const Complementarity thin = complementarity(ball_at(0, 2), ball_at(6.7, 2));
-  EXPECT_TRUE(std::isnan(thin.sc));
+  EXPECT_TRUE(std::isnan(thin.sc) && std::isnan(thin.error));
   EXPECT_GT(thin.buried_a, 0);
   EXPECT_EQ(thin.fitted_a, 0);
 }
 
-TEST(Complementarity, DoesNotDependOnThreads) {
-  const SphereSet a = ball_at(0, 6), b = ball_at(13, 6);
-  const Complementarity many = complementarity(a, b);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const Complementarity single = complementarity(a, b);
-  EXPECT_EQ(many.sc, single.sc);
-  EXPECT_EQ(many.contact_a, single.contact_a);
+// Weights that fall off over much more than what is buried, and over much less than an Å: how far
+// places are searched follows from them.
+TEST(Complementarity, OfAnyWeight) {
+  const TwoBalls balls{6, 6, 12.02};
+  for (const double weight : {0.01, 5.0, 150.0}) {
+    ComplementarityOptions o;
+    o.weight = weight;
+    o.density = 64;
+    const Complementarity found =
+        complementarity(ball_at(0, balls.a), ball_at(balls.d, balls.b), o);
+    // Where most values are next to 0, spreading moves the median by a part of its width of 0.02.
+    EXPECT_NEAR(found.sc, median(balls, o), weight > 100 ? 0.01 : 2 * o.tolerance) << weight;
+    EXPECT_NEAR(found.contact_a, contact(balls, o), 0.03 * contact(balls, o)) << weight;
+  }
 }
 
 // The atoms of the first two chains of a file.
@@ -134,6 +142,18 @@ std::array<std::vector<Sphere>, 2> first_chains(const std::string& file) {
     if (side < 2) sides[side].push_back({atom.position, atom.radius});
   }
   return sides;
+}
+
+TEST(Complementarity, DoesNotDependOnThreads) {
+  VDWMESH_NEEDS_SHARED("molecules/thesis");
+  const auto [first, second] = first_chains("4INS.pdb");
+  const SphereSet a(first), b(second);
+  const Complementarity many = complementarity(a, b);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const Complementarity single = complementarity(a, b);
+  EXPECT_EQ(many.sc, single.sc);
+  EXPECT_EQ(many.error, single.error);
+  EXPECT_EQ(many.contact_a, single.contact_a);
 }
 
 // A motion: three orthonormal vectors, to which the axes go, and a shift. With mirrored axes it
@@ -153,7 +173,6 @@ struct Motion {
 Motion random_motion(std::mt19937& dice, bool mirrored) {
   std::normal_distribution<double> normal;
   const auto any = [&] { return Vec3d{normal(dice), normal(dice), normal(dice)}; };
-  const auto unit = [](const Vec3d& v) { return (1 / norm(v)) * v; };
   const Vec3d first = unit(any()), some = any();
   const Vec3d second = unit(some - dot(some, first) * first);
   return {{first, second, (mirrored ? -1.0 : 1.0) * cross(first, second)}, 30.0 * any()};
@@ -183,6 +202,8 @@ TEST(Complementarity, TurnsAndMirrorsWithTheComplex) {
 TEST(Complementarity, BadInputIsRefused) {
   EXPECT_THROW(complementarity(SphereSet(), ball_at(0, 1)), InvalidInput);
   EXPECT_THROW(complementarity(ball_at(0, 1), ball_at(3, 1), {.probe = 0}), InvalidInput);
+  for (const double weight : {0.0, 0.001, -1.0, std::nan("")})
+    EXPECT_THROW(complementarity(ball_at(0, 1), ball_at(3, 1), {.weight = weight}), InvalidInput);
 }
 
 }  // namespace
