@@ -317,6 +317,15 @@ std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const 
   return angles;
 }
 
+// Whether the three spheres have one common point and it lies on the line of an edge, where two of
+// them touch. The corner tetrahedron is flat then and no centre lies within it, so its solid angles
+// are 0. Their formula would be atan2(0, 0) at the end of the edge that is next to the point, and
+// the rounding of the second 0 would decide between 0 and 2 π.
+bool is_on_a_line(const TriangleShape& triangle) {
+  const auto& d = triangle.distance;
+  return triangle.half_chord == 0 && (d[0] == 0 || d[1] == 0 || d[2] == 0);
+}
+
 }  // namespace
 
 EdgeShape edge_shape(const Sphere& a, const Sphere& b) {
@@ -379,10 +388,12 @@ CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
   const bool wide = is_thin(from_to<double>(a, b), from_to<double>(a, c)) ||
                     is_short(triangle.half_chord, a, b, c);
   CornerShape corner{};
-  // The wide angles take half_chord as a double, in which triangle_shape() rounded a wide result.
-  corner.solid_angle = wide ? solid_angles<WideFloat>(v, twice_area<WideFloat>(a, b, c) *
-                                                             WideFloat(triangle.half_chord))
-                            : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
+  if (!is_on_a_line(triangle)) {
+    // The wide angles take half_chord as a double, in which triangle_shape() rounded a wide result.
+    corner.solid_angle = wide ? solid_angles<WideFloat>(v, twice_area<WideFloat>(a, b, c) *
+                                                               WideFloat(triangle.half_chord))
+                              : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
+  }
   for (std::size_t k = 0; k < 3; ++k) {
     corner.dihedral[k] = corner_dihedral(v, triangle, k);
   }

@@ -138,7 +138,11 @@ std::vector<DegenerateSet> degenerate_sets() {
           {"ring of eight", cage(regular_polygon(8, 2), 1.5), 1.4},
           {"icosahedron and centre", with_centre(icosahedron(3.2), 1.5), 1.4},
           {"octahedron and centre", with_centre(octahedron(4.2), 1.5), 1.4},
-          {"cube and centre", with_centre(cube(3.6), 1.5), 3}};
+          {"cube and centre", with_centre(cube(3.6), 1.5), 3},
+          // The second grown ball touches the first from inside, where the third passes.
+          {"touching from inside",
+           {{{{-2.5, 1, -2}}, 1.5}, {{{-2, 1, -2}}, 1}, {{{-0.5, -1.5, -2}}, 2}},
+           0.5}};
 }
 
 class ExcludedDegenerate : public ::testing::TestWithParam<DegenerateSet> {

@@ -112,5 +112,16 @@ TEST(SimplexShape, RootsHaveAllHundredDigits) {
   EXPECT_NEAR(corner_shape(a, b, c, t).solid_angle[0], std::numbers::pi, kRounding);
 }
 
+// Ball b touches a from inside in a point x that c passes through. They have x alone in common, on
+// the line ab beyond b. The tetrahedron of a, b, c and x is flat, and no solid angle of it is 2 π.
+TEST(SimplexShape, CornersWhereTwoBallsTouch) {
+  const Sphere a{{-2.5, 1, -2}, 2}, b{{-2, 1, -2}, 1.5}, c{{-0.5, -1.5, -2}, 2.5};
+  for (const auto& [p, q, o] : {std::array{a, b, c}, {b, c, a}, {c, a, b}, {b, a, c}}) {
+    const TriangleShape t = triangle_shape(p, q, o);
+    EXPECT_EQ(t.half_chord, 0);
+    for (const double angle : corner_shape(p, q, o, t).solid_angle) EXPECT_EQ(angle, 0);
+  }
+}
+
 }  // namespace
 }  // namespace vdwmesh
