@@ -49,6 +49,9 @@ struct MachineOptions {
 
 enum class AtomGroup { atom, residue, chain };
 
+// What a file of atoms has as B factors.
+enum class AtomFigure { area, volume, exposure, depth };
+
 enum class RowFormat { by_extension, jsonl, csv };
 
 // Part `number` (from 1) of `count` parts of a batch.
@@ -76,8 +79,9 @@ struct PocketQuery {
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
-  std::string json, per_atom, voids, csv, spheres, gradient, depth;
+  std::string json, per_atom, voids, csv, spheres, gradient, depth, atoms, residues;
   AtomGroup group = AtomGroup::atom;
+  AtomFigure b_factor = AtomFigure::area;  // of `atoms`
 };
 
 }  // namespace vdwmesh::apps

@@ -35,6 +35,12 @@ inline constexpr auto kNames<apps::AtomGroup> =
                             {"residue", apps::AtomGroup::residue},
                             {"chain", apps::AtomGroup::chain}});
 template <>
+inline constexpr auto kNames<apps::AtomFigure> =
+    names<apps::AtomFigure>({{"area", apps::AtomFigure::area},
+                             {"volume", apps::AtomFigure::volume},
+                             {"exposure", apps::AtomFigure::exposure},
+                             {"depth", apps::AtomFigure::depth}});
+template <>
 inline constexpr auto kNames<apps::BatchVerb> =
     names<apps::BatchVerb>({{"exact", apps::BatchVerb::exact},
                             {"report", apps::BatchVerb::report},

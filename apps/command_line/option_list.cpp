@@ -422,6 +422,16 @@ std::vector<Option> output_options(Draft& d) {
       {"--depth", kExact, one(o.output.depth, text("FILE"), Use::writes),
        "CSV of how deep atoms, or residues in the mean (--group), lie below the accessible, the "
        "excluded and its exterior surface, Å; - is standard output"},
+      {"--write", kExact, one(o.output.atoms, text("FILE"), Use::writes),
+       "the atoms in use with the figure that --b-factor names: .pdb .ent .cif .mmcif"},
+      {"--b-factor", kExact, one(o.output.b_factor, named<AtomFigure>()),
+       "of --write: exact area or volume of the atom, its depth below the surface, or 100 times "
+       "the "
+       "relative area of its residue",
+       by_default("area")},
+      {"--rsa", kExact, one(o.output.residues, text("FILE"), Use::writes),
+       "areas of residues and their shares of extended ones, as NACCESS prints them; - is standard "
+       "output"},
       {"--gradient", kExact, one(o.output.gradient, text("FILE"), Use::writes),
        "CSV of the derivatives of area and volume by each atom's centre and radius; - is standard "
        "output"}};
@@ -442,7 +452,8 @@ constexpr std::string_view kUnseen[] = {
     "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
     "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
     "--edge-lengths", "--relative-edge", "--padding",    "--progress",   "--project",
-    "--scan",         "--shell",         "--from",       "--sums",       "--method"};
+    "--scan",         "--shell",         "--from",       "--sums",       "--method",
+    "--write",        "--b-factor",      "--rsa"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

@@ -13,6 +13,7 @@
 #include "mesh/mesh_io.hpp"
 #include "named_files.hpp"
 #include "render/renderer.hpp"
+#include "report/atom_file.hpp"
 #include "report/pockets/pocket_spheres.hpp"
 #include "request/memory_limit.hpp"
 #include "request/read_request.hpp"
@@ -139,8 +140,10 @@ void settle_exact(Draft& d) {
   refuse_if(!d.options.output.voids.empty() && d.options.exact.topology != TopologyRequest::full,
             "--voids: needs the whole topology; leave out {}",
             first_given(d, {"--topology", "--method", "--exact"}));
-  refuse_if(!d.options.output.depth.empty() && !(d.options.exact.probe > 0),
-            "--depth: needs a probe; add --surface sas or --surface ses");
+  const bool of_depth = d.options.output.b_factor == AtomFigure::depth;
+  refuse_if((of_depth || !d.options.output.depth.empty()) && !(d.options.exact.probe > 0),
+            "{}: needs a probe; add --surface sas or --surface ses",
+            of_depth ? "--b-factor depth" : "--depth");
   refuse_if(!d.options.output.gradient.empty() && is_given(d, "--measure"),
             "--gradient: is of the whole union; leave out --measure");
 }
@@ -148,8 +151,10 @@ void settle_exact(Draft& d) {
 // What of the program does not go with the excluded surface, beside what its request refuses.
 void settle_excluded(const Draft& d) {
   if (d.options.exact.surface != ExactSurface::excluded || d.verb == kInterface) return;
-  const std::string other = first_given(d, {"--measure", "--voids"});
+  const std::string other = first_given(d, {"--measure", "--voids", "--rsa"});
   refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
+  refuse_if(d.options.output.b_factor == AtomFigure::exposure,
+            "--b-factor exposure: does not go with --surface ses; add --surface sas");
   const bool cuda = d.options.machine.backend == Backend::cuda;
   refuse_if(cuda && d.verb != kExact,
             "--backend cuda: meshes of the excluded surface are made and judged on the CPU; leave "
@@ -213,6 +218,11 @@ void settle_output(const Draft& d) {
   } else if (!path.empty()) {
     mesh_format(path);
   }
+  const OutputOptions& o = d.options.output;
+  refuse_if(!o.atoms.empty() && !find_atom_writer(o.atoms),
+            "--write {}: atoms are written as .pdb .ent .cif .mmcif", o.atoms);
+  refuse_if(is_given(d, "--b-factor") && o.atoms.empty(),
+            "--b-factor: is of the atoms that --write FILE names; add that");
   refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom") && !is_given(d, "--depth"),
             "--group: says how --per-atom FILE is grouped; add that or --depth FILE");
 }

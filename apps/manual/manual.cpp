@@ -43,6 +43,8 @@ constexpr Example kExamples[] = {
     {"vdwmesh-exact",
      "vdwmesh exact --sample ubiquitin --probe 1.4 --radii protor --per-atom - --group residue",
      "How exposed each residue is."},
+    {"vdwmesh-exact", "vdwmesh exact --sample bpti --surface sas --write bpti.pdb",
+     "The atoms with their exposed areas as B factors, for viewers of molecules."},
     {"vdwmesh-interface", "vdwmesh interface FOLDER/1UBQ.pdb A/1-40 A/41-76",
      "What two parts of a chain bury of each other."},
     {"vdwmesh-view", "vdwmesh view --sample bpti -o bpti.html",

@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <tuple>
 
 #include "analysis/exposure.hpp"
 #include "core/sum.hpp"
+#include "report/atom_file.hpp"
 #include "report/csv.hpp"
 
 namespace vdwmesh::apps {
@@ -81,19 +83,25 @@ std::string polarity_fields(const AtomRow& row, const PerAtomTable& table) {
   return fmt::format(",{},{},{}", areas.polar, areas.apolar, row.parts.unclassified_area());
 }
 
-// The areas as shares of the reference, each after a comma. There are none unless the row is a
-// residue that has a reference for this probe, and all of its atoms were measured.
-std::string relative_fields(const AtomRow& row, const PerAtomTable& table) {
-  const bool comparable = table.group == AtomGroup::residue && table.probe == kReferenceProbe &&
+// The areas as shares of the reference. There are none unless the row is a residue that has a
+// reference for this probe, and all of its atoms were measured.
+std::optional<ResidueAreas> shares_of(const AtomRow& row, const PerAtomTable& table) {
+  const bool comparable = row.group == AtomGroup::residue && table.probe == kReferenceProbe &&
                           row.measured == row.atoms;
   const auto reference = comparable
                              ? reference_areas(table.molecule.radius_set, row.first->residue_name)
                              : std::nullopt;
-  if (!reference) return ",,,,,";
-  const ResidueAreas relative = relative_areas(row.parts.areas(), *reference);
-  return fmt::format(",{},{},{},{},{}", csv_number(relative.total), csv_number(relative.main_chain),
-                     csv_number(relative.side_chain), csv_number(relative.polar),
-                     csv_number(relative.apolar));
+  if (!reference) return std::nullopt;
+  return relative_areas(row.parts.areas(), *reference);
+}
+
+// The same, each after a comma.
+std::string relative_fields(const AtomRow& row, const PerAtomTable& table) {
+  const auto relative = shares_of(row, table);
+  if (!relative) return ",,,,,";
+  return fmt::format(",{},{},{},{},{}", csv_number(relative->total),
+                     csv_number(relative->main_chain), csv_number(relative->side_chain),
+                     csv_number(relative->polar), csv_number(relative->apolar));
 }
 
 // Appends what and where the atoms of a row are. Fields in which they differ are empty.
@@ -125,12 +133,11 @@ void print(std::string& csv, const AtomRow& row, const PerAtomTable& table) {
   csv += polarity_fields(row, table) + relative_fields(row, table) + segment_field(row) + '\n';
 }
 
-}  // namespace
-
-std::string per_atom_csv(const PerAtomTable& table) {
+// The rows with their sums; `row_of_atom` as of make_rows().
+std::vector<AtomRow> summed_rows(const PerAtomTable& table, AtomGroup group,
+                                 std::vector<std::size_t>& row_of_atom) {
   const std::vector<Atom>& atoms = table.molecule.atoms;
-  std::vector<std::size_t> row_of_atom;
-  std::vector<AtomRow> rows = make_rows(table.molecule, table.group, row_of_atom);
+  std::vector<AtomRow> rows = make_rows(table.molecule, group, row_of_atom);
   for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
     AtomRow& row = rows[row_of_atom[i]];
     ++row.atoms;
@@ -142,9 +149,78 @@ std::string per_atom_csv(const PerAtomTable& table) {
     row.parts.add(atoms[i], measures.area);
     if (!table.mesh_area.empty()) row.mesh_area.add(table.mesh_area[i]);
   }
+  return rows;
+}
+
+// In the order of NACCESS: all atoms, side chain, main chain, apolar, polar.
+std::array<double, 5> in_order(const ResidueAreas& a) {
+  return {a.total, a.side_chain, a.main_chain, a.apolar, a.polar};
+}
+
+// One residue: areas, and percentages of those of an extended one.
+std::string residue_line(const AtomRow& row, const PerAtomTable& table) {
+  const auto [number, code] = number_and_code(row.first->residue_number);
+  std::string line = fmt::format("RES {:>3} {:1}{:>4}{} ", row.first->residue_name.view(),
+                                 row.first->chain.view(), number, code);
+  const auto areas = in_order(row.parts.areas());
+  const auto relative = shares_of(row, table);
+  for (std::size_t k = 0; k < areas.size(); ++k) {
+    const double percent = relative ? 100 * in_order(*relative)[k] : std::nan("");
+    line += std::isnan(percent) ? fmt::format("{:7.2f}   N/A", areas[k])
+                                : fmt::format("{:7.2f}{:6.1f}", areas[k], percent);
+  }
+  return line + '\n';
+}
+
+std::string sum_line(const std::string& begin, std::size_t width, const ResidueSum& sum) {
+  const auto [total, side, main, apolar, polar] = in_order(sum.areas());
+  return fmt::format("{}{:{}.1f}{:13.1f}{:13.1f}{:13.1f}{:13.1f}\n", begin, total, width, side,
+                     main, apolar, polar);
+}
+
+}  // namespace
+
+std::string per_atom_csv(const PerAtomTable& table) {
+  std::vector<std::size_t> row_of_atom;
   std::string csv = kHeader;
-  for (const AtomRow& row : rows) print(csv, row, table);
+  for (const AtomRow& row : summed_rows(table, table.group, row_of_atom)) print(csv, row, table);
   return csv;
+}
+
+std::vector<double> residue_exposure(const PerAtomTable& table) {
+  std::vector<std::size_t> row_of_atom;
+  const std::vector<AtomRow> rows = summed_rows(table, AtomGroup::residue, row_of_atom);
+  std::vector<double> exposure;
+  for (const std::size_t row : row_of_atom) {
+    const auto relative = shares_of(rows[row], table);
+    exposure.push_back(relative ? 100 * relative->total : std::nan(""));
+  }
+  return exposure;
+}
+
+std::string residue_areas_text(const PerAtomTable& table) {
+  std::vector<std::size_t> row_of_atom;
+  std::string text = fmt::format(
+      "REM  Relative accessible areas by vdwmesh, exact\n"
+      "REM  Radii and extended residues: {}\n"
+      "REM RES _ NUM      All-atoms   Total-Side   Main-Chain    Non-polar    All polar\n"
+      "REM                ABS   REL    ABS   REL    ABS   REL    ABS   REL    ABS   REL\n",
+      table.molecule.radius_set);
+  for (const AtomRow& row : summed_rows(table, AtomGroup::residue, row_of_atom))
+    text += residue_line(row, table);
+  text += "END  Absolute sums over single chains surface\n";
+  row_of_atom.clear();
+  int chain = 0;
+  for (const AtomRow& row : summed_rows(table, AtomGroup::chain, row_of_atom))
+    text +=
+        sum_line(fmt::format("CHAIN{:3} {:1}", ++chain, row.first->chain.view()), 11, row.parts);
+  text += "END  Absolute sums over all chains\n";
+  ResidueSum sum;
+  for (std::size_t i = 0; i < table.molecule.atoms.size(); ++i) {
+    const Atom& atom = table.molecule.atoms[i];
+    if (atom.measured) sum.add(atom, table.exact.per_sphere[i].area);
+  }
+  return text + sum_line("TOTAL", 16, sum);
 }
 
 std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,

@@ -28,6 +28,13 @@ struct PerAtomTable {
 // Sums are over the chosen atoms of a row, which the column of the measured ones counts.
 std::string per_atom_csv(const PerAtomTable& table);
 
+// For each atom 100 times the relative area of its residue; NaN where the residue has none.
+std::vector<double> residue_exposure(const PerAtomTable& table);
+
+// Areas of residues, in all and by parts, and percentages of the reference, in the columns of
+// NACCESS's .rsa files; then sums of chains. As in FreeSASA's files CA counts as main chain.
+std::string residue_areas_text(const PerAtomTable& table);
+
 // The shares of atoms, residues or chains in the excluded surface: area by kind of patch and whole,
 // and volume.
 std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -15,10 +16,13 @@
 #include "cuda/backend.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "measures/union_gradients.hpp"
+#include "report/atom_file.hpp"
 #include "report/atom_names.hpp"
 #include "report/csv.hpp"
 #include "report/output.hpp"
 #include "report/per_atom.hpp"
+#include "request/refuse.hpp"
+#include "structure/reference_areas.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -117,19 +121,76 @@ void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Sessi
   if (options.topology == TopologyRequest::none) report.exact->counts.reset();
 }
 
+namespace {
+
+// How deep the centres of atoms lie below the excluded surface, Å.
+std::vector<double> atom_depths(const Molecule& molecule, double probe, ExcludedPart part,
+                                const Session& session) {
+  std::vector<Vec3d> centers;
+  for (const Atom& atom : molecule.atoms) centers.push_back(atom.position);
+  std::vector<double> found =
+      excluded_signed_distances(centers, to_spheres(molecule, 0), probe, session.monitor, part);
+  std::ranges::transform(found, found.begin(), std::negate<>());
+  return found;
+}
+
+std::vector<double> atom_figures(const OutputOptions& output, const Molecule& molecule,
+                                 double probe, const Session& session) {
+  const auto& exact = session.report.exact;
+  const AtomFigure figure = output.b_factor;
+  if (figure == AtomFigure::exposure)
+    return residue_exposure({molecule, probe, *exact, {}, AtomGroup::residue});
+  std::vector<double> figures;
+  if (figure == AtomFigure::depth) {
+    figures = atom_depths(molecule, probe, ExcludedPart::complete, session);
+    // The nearest points of both surfaces lie on one line.
+    if (exact) std::ranges::for_each(figures, [probe](double& depth) { depth += probe; });
+    return figures;
+  }
+  if (exact) {
+    for (const SphereMeasures& m : exact->per_sphere)
+      figures.push_back(figure == AtomFigure::area ? m.area : m.volume);
+    return figures;
+  }
+  for (const auto& [area, volume] : session.report.excluded->complete.per_atom) {
+    const double sum = area.contact + area.saddle + area.concave;
+    figures.push_back(figure == AtomFigure::area ? sum : volume);
+  }
+  return figures;
+}
+
+}  // namespace
+
+void check_references(const OutputOptions& output, const Molecule& molecule, double probe) {
+  const bool of_file = !output.atoms.empty() && output.b_factor == AtomFigure::exposure;
+  if (!of_file && output.residues.empty()) return;
+  refuse_if(probe != kReferenceProbe || !reference_areas(molecule.radius_set, "LEU"),
+            "{}: extended residues are known for a probe of 1.4 Å and three sets of radii; add "
+            "--surface sas --radii protor (or naccess, oons)",
+            of_file ? "--b-factor exposure" : "--rsa");
+}
+
+void write_atoms(const OutputOptions& output, const Molecule& molecule, double probe,
+                 VerbSession& session) {
+  if (output.atoms.empty()) return;
+  const AtomFigures figures{name_of(output.b_factor),
+                            atom_figures(output, molecule, probe, session)};
+  const auto without =
+      std::ranges::count_if(figures.values, [](double x) { return std::isnan(x); });
+  if (without > 0) {
+    session.report.note("{} atoms have no {}: their B factors are -1.00 in PDB, ? in mmCIF",
+                        without, figures.name);
+  }
+  session.end_progress();
+  write_output(output.atoms, (*find_atom_writer(output.atoms))(molecule, figures));
+  session.end_stage(&Timing::write);
+}
+
 void write_depths(const OutputOptions& output, const Molecule& molecule, double probe,
                   VerbSession& session) {
   if (output.depth.empty()) return;
-  const SphereSet atoms = to_spheres(molecule, 0);
-  std::vector<Vec3d> centers;
-  for (const Atom& atom : molecule.atoms) centers.push_back(atom.position);
-  const auto depths = [&](ExcludedPart part) {
-    std::vector<double> found =
-        excluded_signed_distances(centers, atoms, probe, session.monitor, part);
-    std::ranges::transform(found, found.begin(), std::negate<>());
-    return found;
-  };
-  const AtomDepths found{depths(ExcludedPart::complete), depths(ExcludedPart::exterior)};
+  const AtomDepths found{atom_depths(molecule, probe, ExcludedPart::complete, session),
+                         atom_depths(molecule, probe, ExcludedPart::exterior, session)};
   session.end_stage(&Timing::compare);
   session.end_progress();
   write_output(output.depth, depth_csv(molecule, probe, found, output.group));

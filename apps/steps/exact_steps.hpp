@@ -31,6 +31,14 @@ void measure_on_cpu(const SphereSet& spheres, const ExactOptions& options, Sessi
 void write_depths(const OutputOptions& output, const Molecule& molecule, double probe,
                   VerbSession& session);
 
+// Throws InvalidInput where --rsa or --b-factor exposure asks for relative areas, and the radii or
+// the probe have no reference.
+void check_references(const OutputOptions& output, const Molecule& molecule, double probe);
+// Writes the atoms with their figures if --write names a file. Precondition: the measures of the
+// surface, and of the excluded one the shares of atoms, are in the report.
+void write_atoms(const OutputOptions& output, const Molecule& molecule, double probe,
+                 VerbSession& session);
+
 // Writes the derivatives of the union's area and volume if --gradient names a file, and notes what
 // may have none.
 void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session);

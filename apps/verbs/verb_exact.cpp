@@ -16,7 +16,8 @@ namespace {
 // The exact measures of the excluded surface. The balls of which memory is checked are those grown
 // by the probe.
 void run_excluded(const Options& options, const Molecule& molecule, VerbSession& session) {
-  const Switch per_atom = options.output.per_atom.empty() ? Switch::off : Switch::on;
+  const Switch per_atom =
+      options.output.per_atom.empty() && options.output.atoms.empty() ? Switch::off : Switch::on;
   const double probe = options.inputs.front().probe;
   if (options.machine.backend == Backend::cuda) {
     measure_excluded_on_cuda(molecule, probe, per_atom, session);
@@ -27,6 +28,7 @@ void run_excluded(const Options& options, const Molecule& molecule, VerbSession&
   write_excluded_atoms(options.output, molecule, session);
   write_excluded_gradient(options.output, session);
   write_depths(options.output, molecule, probe, session);
+  write_atoms(options.output, molecule, probe, session);
   session.deliver_report(options.output);
 }
 
@@ -36,6 +38,7 @@ void run_exact(const Options& options) {
   VerbSession session(options.machine);
   const InputOptions& input = options.inputs.front();
   const auto [molecule, spheres] = load(input, session);
+  check_references(options.output, molecule, input.probe);
   MemoryDemand demand;
   demand.exact = method_for_memory(options.exact);
   check_memory_before(demand, spheres, options.machine.memory_limit);
@@ -46,16 +49,19 @@ void run_exact(const Options& options) {
   }
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   measure_polarity(molecule, session);
-  if (!options.output.per_atom.empty()) {
+  const PerAtomTable table{molecule, input.probe, *session.report.exact, {}, options.output.group};
+  if (!options.output.per_atom.empty() || !options.output.residues.empty()) {
     session.end_progress();
-    write_output(
-        options.output.per_atom,
-        per_atom_csv({molecule, input.probe, *session.report.exact, {}, options.output.group}));
+    if (!options.output.per_atom.empty())
+      write_output(options.output.per_atom, per_atom_csv(table));
+    write_output(options.output.residues,
+                 options.output.residues.empty() ? "" : residue_areas_text(table));
     session.end_stage(&Timing::write);
   }
   write_voids(options.output, molecule, session);
   write_gradient(options.output, spheres, session);
   write_depths(options.output, molecule, input.probe, session);
+  write_atoms(options.output, molecule, input.probe, session);
   session.deliver_report(options.output);
 }
 

@@ -2,8 +2,9 @@
 
 import csv
 import math
+import subprocess
 
-from program import BAD_INPUT, UBIQUITIN, ProgramTest, parse_json
+from program import BAD_INPUT, UBIQUITIN, ProgramTest, need_package, parse_json
 
 SUM = 1e-12  # relative: the rounding of adding up to 602 numbers printed in full
 
@@ -226,3 +227,127 @@ class Voids(ProgramTest):
             BAD_INPUT, "exact", path, "--voids", self.folder / "v.csv", "--topology", "counts", says=["--voids"]
         )
         self.assertFalse((self.folder / "v.csv").exists())
+
+
+class AtomFiles(ProgramTest):
+    """--write and --rsa: what is measured, in files that other programs open."""
+
+    SAS = ("--surface", "sas", "--radii", "protor")
+
+    def figures(self, column, *arguments, input=UBIQUITIN):
+        table = self.folder / "t.csv"
+        self.run_ok("exact", input, "--per-atom", table, *arguments)
+        with table.open(newline="") as file:
+            return [float(row[column] or "nan") for row in csv.DictReader(file)]
+
+    def written(self, name, *arguments, input=UBIQUITIN):
+        self.run_ok("exact", input, "--write", self.folder / name, *arguments)
+        return (self.folder / name).read_text()
+
+    def test_figures_are_those_of_the_table(self):
+        for surface, columns in (("sas", ("exact_area", "exact_volume")), ("ses", ("excluded_area", "excluded_volume"))):
+            for figure, column in zip(("area", "volume"), columns):
+                expected = self.figures(column, "--surface", surface)
+                for name, at in (("a.pdb", lambda line: line[60:66]), ("a.cif", lambda line: line.split()[-1])):
+                    lines = self.written(name, "--surface", surface, "--b-factor", figure).splitlines()
+                    found = [float(at(line)) for line in lines if line.startswith("ATOM ")]
+                    self.assertEqual(len(found), 602)
+                    if name == "a.cif":
+                        self.assertEqual(found, expected)
+                    for b, value in zip(found, expected):
+                        self.assertLessEqual(abs(b - value), 0.005001)
+
+    def test_depth(self):
+        depth = self.folder / "d.csv"
+        for surface, column in (("sas", "depth_accessible"), ("ses", "depth_excluded")):
+            text = self.written("a.cif", "--surface", surface, "--b-factor", "depth", "--depth", depth)
+            found = [line.split()[-1] for line in text.splitlines() if line.startswith("ATOM ")]
+            with depth.open(newline="") as file:
+                self.assertEqual(found, [row[column] for row in csv.DictReader(file)])
+
+    def test_the_same_comes_back(self):
+        """Atoms of all names, chains and residues: read again they have the same table."""
+        record = "{}{:5} {:4}{}{:4}{}{:>4}{}   {:8.3f}   0.000   0.000  1.00  0.00      {:4}{:>2}\n"
+        atoms = [("ATOM", "CA", " ", " ALA", "A", 1, " ", "", "C"), ("ATOM", "CA", " ", " ALA", "A", 1, "B", "", "C"),
+                 ("HETATM", "CA", " ", "  CA", "B", -3, " ", "", "CA"), ("ATOM", "HG11", " ", " VAL", "b", 9999, " ", "", "H"),
+                 ("HETATM", " O5'", " ", " GLC", "9", 7, " ", "", "O"), ("ATOM", " N", " ", "LYSN", " ", 8, " ", "SEG1", "N")]  # fmt: skip
+        text = ""
+        for i, (kind, name, altloc, residue, chain, number, code, segment, element) in enumerate(atoms):
+            name = name if len(name) == 4 or name.startswith(" ") or element == "CA" else " " + name
+            residue = residue[1:] + " " if residue.startswith(" ") else residue
+            text += record.format(f"{kind:6}", i + 1, name, altloc, residue, chain, number, code, 10.0 * i, segment, element)
+        path, table, tables = self.file("in.pdb", text + "END\n"), self.folder / "t.csv", []
+        for name in ("a.pdb", "a.cif"):
+            self.written(name, input=path)
+        for name in (path, self.folder / "a.pdb", self.folder / "a.cif"):
+            self.run_ok("exact", name, "--per-atom", table)
+            with table.open(newline="") as file:
+                tables.append([{k: v for k, v in row.items() if k != "segment"} for row in csv.DictReader(file)])
+        self.assertEqual(tables[0], tables[1])
+        self.assertEqual(tables[0], tables[2])
+        self.assertEqual([row["residue_number"] for row in tables[0]], ["1", "1B", "-3", "9999", "7", "8"])
+
+    def test_models_and_atoms_without_a_figure(self):
+        atom = "ATOM      1  CA  ALA A   1    {:8.3f}   0.000   0.000  1.00  0.00           C  \n"
+        text = "".join(f"MODEL {k:8}\n{atom.format(10.0 * k)}ENDMDL\n" for k in (3, 7))
+        path = self.file("models.pdb", text + "END\n")
+        lines = self.written("a.pdb", "--model", "all", input=path).splitlines()
+        self.assertEqual([line[:14].split() for line in lines if "MDL" in line or "MODEL" in line],
+                         [["MODEL", "3"], ["ENDMDL"], ["MODEL", "7"], ["ENDMDL"]])  # fmt: skip
+        process = self.run_ok("exact", UBIQUITIN, "--measure", "A/1-3", "--write", self.folder / "a.pdb")
+        lines = [line for line in (self.folder / "a.pdb").read_text().splitlines() if line.startswith("ATOM")]
+        self.assertEqual([line[60:66] == " -1.00" for line in lines], [int(line[22:26]) > 3 for line in lines])
+        self.assertIn("atoms have no area", process.stdout)
+
+    def test_other_programs_open_them(self):
+        gemmi = need_package("python3-gemmi", module="gemmi")
+        exposure = self.figures("relative_area", *self.SAS, "--group", "residue")
+        for name in ("a.pdb", "a.cif"):
+            self.written(name, *self.SAS, "--b-factor", "exposure")
+            chain = gemmi.read_structure(str(self.folder / name))[0]["A"]
+            self.assertEqual([residue.seqid.num for residue in chain], list(range(1, 77)))
+            for residue, expected in zip(chain, exposure):
+                for atom in residue:
+                    self.assertAlmostEqual(atom.b_iso, 100 * expected, delta=0.00501)
+        MDAnalysis = need_package("python3-mdanalysis", module="MDAnalysis")
+        self.written("a.pdb", *self.SAS)
+        atoms = MDAnalysis.Universe(str(self.folder / "a.pdb")).atoms
+        for atom, area in zip(atoms, self.figures("exact_area", *self.SAS)):
+            self.assertAlmostEqual(atom.tempfactor, area, delta=0.00501)
+
+    def test_residues_beside_freesasa(self):
+        """The same columns; each figure is that of its table, and near FreeSASA's by slices."""
+        freesasa = need_package("freesasa", program="freesasa")
+        self.written("a.pdb", *self.SAS, "--rsa", self.folder / "a.rsa")
+        ours = (self.folder / "a.rsa").read_text().splitlines()
+        theirs = subprocess.run([freesasa, "--format=rsa", "--resolution=1000", self.folder / "a.pdb"],
+                                capture_output=True, text=True, check=True).stdout.splitlines()  # fmt: skip
+        for kind, count in (("RES", 76), ("CHAIN", 1), ("TOTAL", 1)):
+            pair = [[line for line in lines if line.startswith(kind)] for lines in (ours, theirs)]
+            self.assertEqual([len(lines) for lines in pair], [count, count])
+            for a, b in zip(*pair):
+                self.assertEqual(len(a), len(b))
+                self.assertEqual(a[:14], b[:14])
+                for x, y in zip(a[14:].split(), b[14:].split()):
+                    self.assertEqual(x == "N/A", y == "N/A")
+                    if x != "N/A":
+                        self.assertAlmostEqual(float(x), float(y), delta=0.25 + 1e-3 * float(y))
+        areas = self.figures("exact_area", *self.SAS, "--group", "residue")
+        self.assertEqual([line[14:22] for line in ours if line.startswith("RES")], [f"{x:8.2f}" for x in areas])
+
+    def test_what_does_not_go(self):
+        out, unknown = self.folder / "a.pdb", self.folder / "a.xyz"
+        far = self.file("far.xyzr", "20000 0 0 1\n")
+        for arguments, line in (
+            ((UBIQUITIN, "--write", unknown), "atoms are written as .pdb .ent .cif .mmcif"),
+            ((UBIQUITIN, "--b-factor", "area"), "add that"),
+            ((UBIQUITIN, "--write", out, "--b-factor", "depth"), "needs a probe; add --surface sas"),
+            ((UBIQUITIN, "--write", out, "--b-factor", "exposure"), "add --surface sas --radii protor"),
+            ((UBIQUITIN, "--rsa", out), "add --surface sas --radii protor"),
+            ((UBIQUITIN, "--surface", "ses", "--rsa", out), "does not go with --surface ses"),
+            ((UBIQUITIN, "--surface", "ses", "--write", out, "--b-factor", "exposure"), "add --surface sas"),
+            ((far, "--write", out), "a PDB file has no room for atom"),
+        ):
+            self.assert_refused(BAD_INPUT, "exact", *arguments, says=[line])
+            self.assertFalse(out.exists())
+        self.written("a.cif", input=far)

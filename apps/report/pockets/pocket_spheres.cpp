@@ -10,6 +10,7 @@
 
 #include "core/errors.hpp"
 #include "core/letters.hpp"
+#include "report/atom_file.hpp"
 #include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
@@ -28,9 +29,6 @@ const std::array<double, 3>& color_of(const PocketRow& pocket) {
   return kColors[(pocket.rank - 1) % kColors.size()];
 }
 
-// Eight columns, three of them decimals.
-bool fits_in_pdb(double coordinate) { return coordinate > -999.9995 && coordinate < 9999.9995; }
-
 std::string pdb_text(const PocketReport& report) {
   constexpr std::uint64_t kSerials = 100'000, kResidues = 10'000;  // five columns, and four
   refuse_if(report.pockets.size() >= kResidues,
@@ -41,7 +39,7 @@ std::string pdb_text(const PocketReport& report) {
   for (const PocketRow& p : report.pockets) {
     for (const Sphere& s : p.alpha_spheres) {
       const Vec3d& c = s.center;
-      refuse_if(!fits_in_pdb(c.x) || !fits_in_pdb(c.y) || !fits_in_pdb(c.z),
+      refuse_if(!fits_in_pdb(c),
                 "a PDB file has no room for the coordinates {}, {}, {}; write .bild", c.x, c.y,
                 c.z);
       serial = (serial + 1) % kSerials;  // viewers take numbers that come again
