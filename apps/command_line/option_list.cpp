@@ -200,6 +200,9 @@ std::vector<Option> surface_options(Draft& d) {
        "length of the mesh's edges; marching cubes take --spacing instead", otherwise("0.35")},
       {"--density", kOneSurface, one(m.density, number("per Å²", Range::positive, "2")),
        "triangles of --surface ses: any number, few good ones or many", no_default()},
+      {"--max-distance", kOneSurface, one(m.max_distance, number("Å", Range::positive, "0.1")),
+       "of --surface ses, in place of --density: the proven distance between mesh and surface",
+       no_default()},
       {"--relative-edge", kSurfaces | kRanksMesh,
        one(m.grading.relative, number("N", Range::positive, "0.2")),
        "edge length as a share of the radius; beside --edge-length the shorter one holds",
@@ -448,12 +451,12 @@ constexpr std::string_view kUsual[] = {"--mesher",      "--subdivide",    "--rep
 
 // Options of verbs that take structures which are read and not shown.
 constexpr std::string_view kUnseen[] = {
-    "--csv",          "--hetatm",        "--preset",     "--isovalue",   "--blobbiness",
-    "--crossings",    "--seed",          "--cgal-check", "--devices",    "--camera",
-    "--shading",      "--antialias",     "--rows",       "--time-limit", "--page-triangles",
-    "--edge-lengths", "--relative-edge", "--padding",    "--progress",   "--project",
-    "--scan",         "--shell",         "--from",       "--sums",       "--method",
-    "--write",        "--b-factor",      "--rsa"};
+    "--csv",          "--hetatm",        "--preset",     "--isovalue",    "--blobbiness",
+    "--crossings",    "--seed",          "--cgal-check", "--devices",     "--camera",
+    "--shading",      "--antialias",     "--rows",       "--time-limit",  "--page-triangles",
+    "--edge-lengths", "--relative-edge", "--padding",    "--progress",    "--project",
+    "--scan",         "--shell",         "--from",       "--sums",        "--method",
+    "--write",        "--b-factor",      "--rsa",        "--max-distance"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

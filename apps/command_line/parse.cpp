@@ -1,13 +1,16 @@
 // Numbers are read by std::from_chars, which knows no locale, and must fill the whole text: "0.5x"
-// is no number. A leading plus, which from_chars does not take, is taken off first.
+// is no number. What is too close to 0 for a double is 0, as in files. A leading plus, which
+// from_chars does not take, is taken off first.
 #include "command_line/parse.hpp"
 
 #include <fmt/format.h>
 
 #include <charconv>
 #include <cmath>
+#include <type_traits>
 
 #include "core/errors.hpp"
+#include "core/read_double.hpp"
 #include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
@@ -17,7 +20,12 @@ template <class T>
 bool read_whole(std::string_view text, T& value) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   const char *begin = text.data(), *end = begin + text.size();
-  const std::from_chars_result result = std::from_chars(begin, end, value);
+  std::from_chars_result result;
+  if constexpr (std::is_floating_point_v<T>) {
+    result = read_double(begin, end, value);
+  } else {
+    result = std::from_chars(begin, end, value);
+  }
   return !text.empty() && result.ec == std::errc() && result.ptr == end;
 }
 

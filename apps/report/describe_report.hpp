@@ -76,6 +76,8 @@ void describe(A& a, const RemeshStats& stats) {
   a("below_20_degrees", stats.below_20_degrees);
   a("below_20_degrees_at_features", stats.below_20_at_features);
   a("runs", stats.runs);
+  a("edge_length", stats.edge_length);
+  a("farthest", stats.farthest > 0 ? std::optional(stats.farthest) : std::nullopt);
 }
 
 template <class A>

@@ -31,7 +31,7 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   const std::string& reason = surface.mesher_reason;
   a("mesher_reason", reason.empty() ? std::nullopt : std::optional(reason));
   a("edge_length", is_exact ? surface.edge_length : std::nullopt);
-  a("density", surface.density);
+  a("density", surface.density), a("max_distance", surface.max_distance);
   const EdgeGrading& grading = surface.grading;
   a("relative_edge", grading.relative);
   a("edge_length_of", grading.groups);

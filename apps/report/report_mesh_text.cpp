@@ -46,10 +46,14 @@ void levels_text(Text out, const std::vector<LevelReport>& levels) {
 
 std::string remeshing_text(const RemeshStats& stats) {
   return fmt::format(
-      "from {} triangles along the curves; {} joined of {} corners and crease vertices; {} angles "
-      "below 20°, {} of them at creases and corners",
-      stats.exact_triangles, stats.joined, stats.corners + stats.crease_edges,
-      stats.below_20_degrees, stats.below_20_at_features);
+             "from {} triangles along the curves; {} joined of {} corners and crease vertices; {} "
+             "angles below 20°, {} of them at creases and corners",
+             stats.exact_triangles, stats.joined, stats.corners + stats.crease_edges,
+             stats.below_20_degrees, stats.below_20_at_features) +
+         (stats.farthest > 0
+              ? fmt::format("; edges of {:.3g} Å, proven within {:.4g} Å of the surface, both ways",
+                            stats.edge_length, stats.farthest)
+              : "");
 }
 
 std::string patches_text(const PatchReport& patches) {

@@ -57,8 +57,9 @@ std::string surface_text(const ParametersReport& parameters) {
     const SurfaceOptions& surface = parameters.surface;
     if (surface.remeshed) {
       return "solvent-excluded surface across the curves between its patches, " +
-             (surface.density ? fmt::format("{} triangles per Å²", *surface.density)
-                              : edge_text(surface));
+             (surface.density        ? fmt::format("{} triangles per Å²", *surface.density)
+              : surface.max_distance ? fmt::format("within {} Å of it", *surface.max_distance)
+                                     : edge_text(surface));
     }
     return "solvent-excluded surface along the curves between its patches, " + edge_text(surface) +
            "; " + counted(static_cast<std::uint64_t>(surface.subdivisions), "subdivision");

@@ -88,10 +88,12 @@ void note_density(const RemeshedSurface& made, const SurfaceOptions& surface, Re
 // The mesh that does not follow the curves, with an account of it in the report.
 PatchedMesh make_remeshed(const SphereSet& atoms, double probe, const SurfaceOptions& surface,
                           Session& session) {
-  RemeshedSurface made = remesh_excluded(atoms, {.probe = probe,
-                                                 .edge_length = surface.edge_length.value(),
-                                                 .memory_limit = session.machine.memory_limit,
-                                                 .monitor = session.monitor});
+  const RemeshOptions options = {.probe = probe,
+                                 .edge_length = surface.edge_length.value(),
+                                 .memory_limit = session.machine.memory_limit,
+                                 .monitor = session.monitor};
+  RemeshedSurface made = surface.max_distance ? remesh_within(atoms, *surface.max_distance, options)
+                                              : remesh_excluded(atoms, options);
   Report& report = session.report;
   report.timing.extract = made.stats.exact_seconds;
   report.timing.refine = made.stats.seconds - made.stats.exact_seconds;

@@ -167,16 +167,20 @@ PatchedMesh mesh_excluded_surface(const SphereSet& atoms, const MeshCall& reques
                                   Monitor& monitor) {
   const std::uint64_t limit = default_memory_limit();
   const double edge_length = request.surface.edge_length.value_or(0);
-  PatchedMesh mesh =
-      request.surface.remeshed
-          ? static_cast<PatchedMesh>(remesh_excluded(atoms, {.probe = request.probe,
-                                                             .edge_length = edge_length,
-                                                             .memory_limit = limit,
-                                                             .monitor = &monitor}))
-          : mesh_excluded(atoms, {.probe = request.probe,
-                                  .edge_length = edge_length,
-                                  .memory_limit = limit,
-                                  .monitor = &monitor});
+  const auto make = [&]() -> PatchedMesh {
+    const RemeshOptions options = {.probe = request.probe,
+                                   .edge_length = edge_length,
+                                   .memory_limit = limit,
+                                   .monitor = &monitor};
+    if (request.surface.max_distance)
+      return remesh_within(atoms, *request.surface.max_distance, options);
+    if (request.surface.remeshed) return remesh_excluded(atoms, options);
+    return mesh_excluded(atoms, {.probe = request.probe,
+                                 .edge_length = edge_length,
+                                 .memory_limit = limit,
+                                 .monitor = &monitor});
+  };
+  PatchedMesh mesh = make();
   if (request.surface.subdivisions > 0) {
     mesh = std::move(refine_patches(atoms, std::move(mesh),
                                     {.subdivisions = request.surface.subdivisions,

@@ -73,6 +73,7 @@ SurfaceOptions surface_options_of(const py::kwargs& given) {
   request.mesher = named<Mesher>(given, "mesher");
   request.edge_length = value_of<double>(given, "edge_length");
   request.density = value_of<double>(given, "density");
+  request.max_distance = value_of<double>(given, "max_distance");
   request.min_angle = value_of<double>(given, "min_angle");
   request.spacing = value_of<double>(given, "spacing");
   request.fixed_grid = given["fixed_grid"].cast<bool>();

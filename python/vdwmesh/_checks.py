@@ -293,7 +293,7 @@ def _arrays(mesh: Any) -> tuple[Any, Any]:
 
 def _triangles_of_meshio(mesh: Any) -> Any:
     """The faces; quadrilaterals and polygons are cut into triangles from their first corner on."""
-    parts = [np.empty((0, 3), np.int64)]
+    parts: list[Any] = [np.empty((0, 3), np.int64)]
     for cells in mesh.cells:
         if cells.dim != 2:
             continue  # points, lines and solids have no faces of their own

@@ -71,7 +71,8 @@ class CudaArray:
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        return np.dtype(self.__cuda_array_interface__["typestr"])
+        kind: np.dtype[Any] = np.dtype(self.__cuda_array_interface__["typestr"])
+        return kind
 
     @property
     def device(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
 import numpy as np
 
@@ -367,7 +367,7 @@ def _atom_areas_there(
     """The areas of the atoms of all frames at once, left on the device."""
     found = measure(frames, radii, options)
     _refuse(found.invalid, 0, has_frames)
-    there: CudaAtoms = found.cuda if has_frames else found.frames[0]["cuda"]
+    there = cast(CudaAtoms, found.cuda if has_frames else found.frames[0]["cuda"])
     return there.atom_area
 
 

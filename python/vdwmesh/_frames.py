@@ -205,8 +205,8 @@ def _excluded(
                 one = measure_excluded(centers, radii, probe, False, threads, device)
             except InvalidInput as error:
                 raise InvalidInput(f"traj: frame {number}: {error}") from None
-            shares = (one.atom_area, one.atom_volume) if per_atom else (None, None)
-            yield FrameResult(number, time, one.area, one.volume, *shares, None, None)
+            area, volume = (one.atom_area, one.atom_volume) if per_atom else (None, None)
+            yield FrameResult(number, time, one.area, one.volume, area, volume, None, None)
 
 
 def refuse(invalid: InvalidFrame | None, part: Chunk) -> None:

@@ -194,6 +194,7 @@ def mesh(
     spacing: float | None = None,
     edge_length: float | ArrayLike | None = None,
     density: float | None = None,
+    max_distance: float | None = None,
     min_angle: float | None = None,
     subdivide: int = 0,
     crossings: str | None = None,
@@ -230,6 +231,9 @@ def mesh(
         Of the "ses" surface, triangles per Å²: any number, in place of an edge length. The mesh then goes across
         the curves between patches, where the surface is smooth, and has fewer and better triangles; so it does
         for an edge length above 0.7. Vertices lie on the exact surface, and the topology is the exact one.
+    max_distance : float, optional
+        Of the "ses" surface, Å, in place of a density: few triangles, nowhere farther from the surface, nor
+        the surface from them; the distance is proven.
     min_angle : float, optional
         Of the exact mesher, degrees, at most 25: triangles with a smaller angle are made better, but near
         corners where two creases of an atom enclose less than 60°. At 20° none is left elsewhere on
@@ -278,6 +282,7 @@ def mesh(
         "spacing": _positive("spacing", spacing),
         **_edge_lengths(edge_length, len(sizes)),
         "density": _positive("density", density),
+        "max_distance": _positive("max_distance", max_distance),
         "min_angle": _positive("min_angle", min_angle),
         "subdivide": int(subdivide),
         "crossings": crossings,

@@ -116,7 +116,7 @@ def _of_array(
     selected = _selected(select, coords.shape[1])
     numbers = window.of_length(len(coords))
     wanted = coords[slice(*window)]
-    known = [None] * len(numbers) if times is None else np.asarray(times)[slice(*window)].tolist()
+    known: Any = [None] * len(numbers) if times is None else np.asarray(times)[slice(*window)].tolist()
 
     def chunks(size: int) -> Iterator[Chunk]:
         for first in range(0, len(wanted), size):
@@ -245,7 +245,7 @@ def _some(atoms: Atoms, selected: Ids | None) -> Atoms:
     """The selected ones, where the atoms have properties."""
     if selected is None:
         return replace(atoms, coords=None)
-    columns = {}
+    columns: dict[str, Any] = {}
     for name in ("radii", "elements", "resnames", "names", "residues"):
         column = getattr(atoms, name)
         columns[name] = None if column is None else [column[i] for i in selected]

@@ -309,6 +309,7 @@ class Remesher {
     RemeshedSurface out = without_crossings(exact, mesh, features, table, oracle);
     out.stats.exact_triangles = exact.mesh.triangle_count();
     out.stats.crease_edges = features.crease_edges, out.stats.corners = features.corners;
+    out.stats.edge_length = length;
     out.stats.exact_seconds = exact_seconds, out.stats.seconds = elapsed_since(begin);
     return out;
   }

@@ -32,7 +32,9 @@ struct RemeshStats {
   std::uint64_t below_20_degrees = 0;           // triangles with an angle below 20°
   std::uint64_t below_20_at_features = 0;       // of these, those with a vertex on a feature
   int runs = 0;                                 // more than 1: crossings were found and undone
-  double exact_seconds = 0, seconds = 0;        // wall time: of the exact mesh, and in all
+  double edge_length = 0;                       // Å, that was asked for or found
+  double farthest = 0;  // Å, of remesh_within(): proven, both ways; 0 of other meshes
+  double exact_seconds = 0, seconds = 0;  // wall time: of the exact mesh, and in all
 };
 
 // Of the mesh: outward normals; the label of a vertex is the atom of its patch whose sphere is
@@ -47,5 +49,12 @@ double edge_length_of_density(double triangles_per_area);
 
 // The result depends on the arguments alone. Throws as mesh_excluded() does.
 RemeshedSurface remesh_excluded(const SphereSet& atoms, const RemeshOptions& options = {});
+
+// A mesh with few triangles of which no point is farther than `max_distance` (Å) from the surface,
+// and no point of the surface from the mesh: excluded_distance_bounds() proves it. Meshes are made
+// until one is near enough, and not much nearer; `options.edge_length` is the first one's. Throws
+// LimitExceeded if none is found, and as remesh_excluded() does.
+RemeshedSurface remesh_within(const SphereSet& atoms, double max_distance,
+                              const RemeshOptions& options = {});
 
 }  // namespace vdwmesh

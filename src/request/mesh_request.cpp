@@ -74,27 +74,35 @@ void check_excluded(const MeshRequest& r) {
             option_name(r.door, "edge-length"), excluded);
 }
 
-// A density is of the excluded surface, and in place of an edge length and of a subdivision.
+// A density or a distance is of the excluded surface, and in place of an edge length and of a
+// subdivision.
 void check_density(const MeshRequest& r) {
-  if (!r.density) return;
-  const std::string density = option_name(r.door, "density");
-  refuse_if(r.surface != SurfaceChoice::ses, "{}: is of {}; other surfaces take {}", density,
+  if (!r.density && !r.max_distance) return;
+  const std::string density = option_name(r.door, "density"),
+                    distance = option_name(r.door, "max-distance"),
+                    asked = r.density ? density : distance;
+  refuse_if(r.density && r.max_distance, "{}: {} decides on the triangles; leave one of them out",
+            density, distance);
+  refuse_if(r.surface != SurfaceChoice::ses, "{}: is of {}; other surfaces take {}", asked,
             option_with(r.door, "surface", "ses"), option_name(r.door, "edge-length"));
-  refuse_if(r.edge_length.has_value(), "{}: {} says the same in Å; leave one of them out", density,
-            option_name(r.door, "edge-length"));
+  refuse_if(r.edge_length.has_value(), "{}: {} sets the triangles, too; leave one of them out",
+            asked, option_name(r.door, "edge-length"));
   refuse_if(r.subdivisions.value_or(0) > 0,
-            "{}: does not go with {}; four times the density is one "
+            "{}: does not go with {}; four times the density, or a quarter of the distance, is one "
             "subdivision",
-            density, option_name(r.door, "subdivide"));
+            asked, option_name(r.door, "subdivide"));
 }
 
 // Which of its two meshes the excluded surface gets.
 void settle_density(SurfaceOptions& s, const MeshRequest& r) {
   if (s.kind != ExactSurface::excluded) return;
   s.density = r.density;
+  s.max_distance = r.max_distance;
   if (s.density) s.edge_length = edge_length_of_density(*s.density);
-  s.remeshed =
-      s.density || (s.edge_length.value_or(0) > kLongestAlongCurves && s.subdivisions == 0);
+  // About what a surface of the curvature of water's probe needs.
+  if (s.max_distance) s.edge_length = std::min(2 * std::sqrt(*s.max_distance), 3.0);
+  s.remeshed = s.density || s.max_distance ||
+               (s.edge_length.value_or(0) > kLongestAlongCurves && s.subdivisions == 0);
 }
 
 // The crease-exact mesher has neither field nor grid.

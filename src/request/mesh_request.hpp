@@ -32,6 +32,7 @@ struct MeshRequest {
   Mesher usual_mesher = Mesher::exact;  // where nothing that is asked for tells
   std::optional<double> edge_length;    // Å
   std::optional<double> density;        // triangles per Å², of the excluded surface
+  std::optional<double> max_distance;   // Å, between that and its mesh
   EdgeGrading grading;
   std::vector<double> edge_lengths;  // Å, by atom
   std::optional<double> min_angle;   // degrees
@@ -55,8 +56,11 @@ struct SurfaceOptions {
   // Å, of Mesher::exact; empty: the grading gives all lengths.
   std::optional<double> edge_length;
   std::optional<double> density;  // that was asked for, triangles per Å²; it gives the edge length
+  // That was asked for, Å; the edge length is then the first that is tried.
+  std::optional<double> max_distance;
   // The mesh of the excluded surface does not follow the curves between its patches, so it can have
-  // fewer triangles: if a density is asked for, or edges longer than kLongestAlongCurves.
+  // fewer triangles: if a density or a distance is asked for, or edges longer than
+  // kLongestAlongCurves.
   bool remeshed = false;
   EdgeGrading grading;
   std::vector<double> edge_lengths;  // Å, by sphere, once the structure is read; empty: all alike

@@ -14,9 +14,11 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "core/errors.hpp"
+#include "excluded/excluded_bounds.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "refine/patch_refiner.hpp"
+#include "spheres/directions.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
 
@@ -60,13 +62,10 @@ double least_rise(const IndexedMesh& mesh, const SphereSet& atoms, double probe)
   return least;
 }
 
-// Everything that holds for every mesh. Returns it.
-RemeshedSurface expect_remeshed(const SphereSet& atoms, double probe, double density,
-                                bool exterior = false) {
+// Everything that holds for every mesh.
+void expect_sound(const RemeshedSurface& made, const SphereSet& atoms, double probe,
+                  bool exterior) {
   const ExcludedSurface exact = exact_surface(atoms, probe, exterior);
-  RemeshedSurface made = remesh_excluded(
-      atoms,
-      {.probe = probe, .edge_length = edge_length_of_density(density), .exterior = exterior});
   const MeshTopology found = topology(made.mesh);
   EXPECT_TRUE(found.closed && found.manifold && found.oriented);
   EXPECT_EQ(found.euler_characteristic, exact.topology->euler_characteristic);
@@ -79,6 +78,14 @@ RemeshedSurface expect_remeshed(const SphereSet& atoms, double probe, double den
   EXPECT_EQ(made.triangle_patch.size(), made.mesh.triangle_count());
   EXPECT_EQ(made.vertex_patch.size(), made.mesh.vertex_count());
   EXPECT_NO_THROW(check_patches(made));
+}
+
+RemeshedSurface expect_remeshed(const SphereSet& atoms, double probe, double density,
+                                bool exterior = false) {
+  RemeshedSurface made = remesh_excluded(
+      atoms,
+      {.probe = probe, .edge_length = edge_length_of_density(density), .exterior = exterior});
+  expect_sound(made, atoms, probe, exterior);
   return made;
 }
 
@@ -190,6 +197,52 @@ TEST(SurfaceRemesher, Molecules) {
     EXPECT_LT(static_cast<double>(count) / area, 1.5 * density);
     EXPECT_LE(made.stats.below_20_degrees, count / 1000 + 3);
     EXPECT_GT(quality(made.mesh).min_angle_deg.p01, 30);
+  }
+}
+
+// The middle of a triangle with its corners on a ball lies below it, and its plane at least as far
+// below at the deepest. Meshes are no finer than they need to be.
+TEST(SurfaceRemesher, WithinADistanceOfABall) {
+  const double radius = 2;
+  const Vec3d center{1, 2, 3};
+  const SphereSet ball({{center, radius}});
+  for (const double distance : {0.5, 0.1, 0.02}) {
+    SCOPED_TRACE(distance);
+    const RemeshedSurface made = remesh_within(ball, distance);
+    expect_sound(made, ball, 1.4, false);
+    double deepest = 0, plane = 0;
+    for (const Triangle& t : made.mesh.triangles) {
+      const Vec3d a = made.mesh.positions[t[0]] - center, b = made.mesh.positions[t[1]] - center,
+                  c = made.mesh.positions[t[2]] - center;
+      deepest = std::max(deepest, radius - norm((1.0 / 3) * (a + b + c)));
+      plane = std::max(plane, radius - std::abs(dot(a, unit(cross(b - a, c - a)))));
+    }
+    EXPECT_LE(deepest, distance);
+    EXPECT_GE(plane, 0.5 * distance);
+    EXPECT_LE(made.stats.farthest, distance);
+    EXPECT_GE(made.stats.farthest, deepest);
+  }
+}
+
+TEST(SurfaceRemesher, WithinADistanceOfThreeBalls) {
+  const SphereSet triple({{{0, 0, 0}, 1.7}, {{4.2, 0, 0}, 1.5}, {{2, 3.6, 0.1}, 1.6}});
+  std::size_t before = 0;
+  for (const double distance : {0.4, 0.1, 0.02}) {
+    SCOPED_TRACE(distance);
+    const RemeshedSurface made = remesh_within(triple, distance, {.edge_length = 2});
+    expect_sound(made, triple, 1.4, false);
+    const HausdorffBounds bounds = excluded_distance_bounds(made.mesh, triple, 1.4);
+    EXPECT_LE(bounds.upper(), distance);
+    EXPECT_GE(bounds.upper(), 0.5 * distance);
+    EXPECT_LE(made.stats.farthest, distance);
+    EXPECT_GE(made.stats.farthest, bounds.lower());
+    EXPECT_GT(made.mesh.triangle_count(), before);
+    before = made.mesh.triangle_count();
+  }
+  // A mesh of 10⁹ triangles would be needed.
+  EXPECT_THROW(remesh_within(triple, 1e-9, {.memory_limit = 20'000'000}), LimitExceeded);
+  for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(remesh_within(triple, wrong), InvalidInput);
   }
 }
 

@@ -35,7 +35,8 @@ MEMORY = 6 << 30  # bytes that a broken program may take; Chromium reserves more
 COLUMNS = ["index", "file", "line", "was", "became", "outcome", "by", "seconds"]
 
 # Tests in Python run vdwmesh but for these: their targets, and the variable that names the program.
-OTHER_PROGRAMS = {"cli.ranks": (("vdwmesh_mpi", "ranks_after_failure", "fail_allocation", "grant_no_threads"),
+OTHER_PROGRAMS = {"cli.ranks": (("vdwmesh", "vdwmesh_mpi", "ranks_after_failure", "fail_allocation", "grant_no_threads",
+                                 "rank_without_vertices"),
                                 "VDWMESH_RANKS_PROGRAM"),
                   "cli.bench": (("vdwmesh_bench",), "VDWMESH_BENCH_PROGRAM")}  # fmt: skip
 
@@ -63,7 +64,8 @@ TESTS = {
                  "arrangement_growth_test", "cli.certify", "cli.union_witnesses"],
     "complex": ["arrangement_triangulation_test", "arrangement_parts_test", "pockets_test", "arrangement_union_test",
                 "exact_mesher_contract_test", "cli.union_witnesses"],
-    "creases": ["arrangement_parts_test", "exact_mesher_contract_test", "arrangement_growth_test", "cli.exact_mesher"],
+    "creases": ["arrangement_triangulation_test", "arrangement_bounded_patch_test", "arrangement_union_test",
+                "arrangement_parts_test", "exact_mesher_contract_test", "arrangement_growth_test", "cli.exact_mesher"],
     "excluded": ["excluded_test", "excluded_measures_contract_test", "excluded_measurer_contract_test",
                  "excluded_mesher_contract_test", "excluded_distances_contract_test", "excluded_bounds_contract_test",
                  "arrangement_gradients_test", "excluded_growth_test", "cli.excluded"],
@@ -264,7 +266,7 @@ class Tests:
             if self.digest(test) == self.passed[test]["digest"]:
                 continue
             changed = True
-            failed, _ = self.run(test, 30 + 5 * self.passed[test]["seconds"])
+            failed, _ = self.run(test, 10 + 3 * self.passed[test]["seconds"])
             if failed:
                 return "killed", failed
         return ("survived", "") if changed else ("equivalent", "no program changed")

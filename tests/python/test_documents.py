@@ -1,7 +1,7 @@
 """The examples of the documentation and of the docstrings give what they say."""
 
 import doctest
-import importlib
+import importlib.util
 import pathlib
 import unittest
 
@@ -12,7 +12,8 @@ from program import SOURCE_DIR
 def modules():
     """All of the package that needs no other package."""
     names = sorted(path.stem for path in pathlib.Path(vdwmesh.__file__).parent.glob("*.py"))
-    names = [name for name in names if name not in ("__init__", "mdanalysis", "jax", "openmm")]
+    others = {"mdanalysis", "jax", "openmm"} | ({"torch"} if importlib.util.find_spec("torch") is None else set())
+    names = [name for name in names if name not in others | {"__init__"}]
     return [importlib.import_module(f"vdwmesh.{name}") for name in names]
 
 

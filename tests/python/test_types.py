@@ -23,7 +23,11 @@ class TypesTest(unittest.TestCase):
     def mypy(self, *arguments):
         need_package("mypy", module="mypy")
         with tempfile.TemporaryDirectory() as cache:
-            return subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", cache, *arguments],
+            # Newer versions understand what older ones are told to ignore.
+            import mypy.version
+
+            older = [] if mypy.version.__version__.startswith("1.0.") else ["--no-warn-unused-ignores"]
+            return subprocess.run([sys.executable, "-m", "mypy", "--strict", *older, "--cache-dir", cache, *arguments],
                                   capture_output=True, text=True, cwd=SOURCE_DIR / "python")  # fmt: skip
 
     def test_the_package_is_strict(self):
@@ -36,7 +40,7 @@ class TypesTest(unittest.TestCase):
             path.write_text(USE)
             found = self.mypy(str(path)).stdout
         self.assertIn('Revealed type is "builtins.float"', found)
-        self.assertIn("numpy.floating[numpy._typing._64Bit]", found)
+        self.assertRegex(found, r"numpy\.(float64|floating\[numpy\._typing\._64Bit\])")
         self.assertIn('No overload variant of "exact"', found)
 
 

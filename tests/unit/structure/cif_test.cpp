@@ -196,6 +196,7 @@ TEST(SmallCif, FractionsArePlacedByTheCell) {
       "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n"
       "_atom_site_fract_z\nC1 0.1 0.1 0.1\nO2 -0.5 0.25(2) 0\n";
   const Molecule molecule = read_text_as("a.cif", cell + sites);
+  EXPECT_EQ(molecule.format, "cif");
   ASSERT_EQ(molecule.atoms.size(), 2U);
   constexpr double kRounding = 1e-12;  // Å; a few roundings of numbers below 10
   const Vec3d expected[2] = {{1, 2, 3}, {-5, 5, 0}};
