@@ -428,9 +428,8 @@ std::vector<Option> output_options(Draft& d) {
       {"--write", kExact, one(o.output.atoms, text("FILE"), Use::writes),
        "the atoms in use with the figure that --b-factor names: .pdb .ent .cif .mmcif"},
       {"--b-factor", kExact, one(o.output.b_factor, named<AtomFigure>()),
-       "of --write: exact area or volume of the atom, its depth below the surface, or 100 times "
-       "the "
-       "relative area of its residue",
+       "of --write: exact area or volume of the atom, its depth below the surface, or the exposure "
+       "of its residue (100 times the relative area)",
        by_default("area")},
       {"--rsa", kExact, one(o.output.residues, text("FILE"), Use::writes),
        "areas of residues and their shares of extended ones, as NACCESS prints them; - is standard "

@@ -219,7 +219,7 @@ void settle_output(const Draft& d) {
     mesh_format(path);
   }
   const OutputOptions& o = d.options.output;
-  refuse_if(!o.atoms.empty() && !find_atom_writer(o.atoms),
+  refuse_if(!o.atoms.empty() && find_atom_writer(o.atoms) == nullptr,
             "--write {}: atoms are written as .pdb .ent .cif .mmcif", o.atoms);
   refuse_if(is_given(d, "--b-factor") && o.atoms.empty(),
             "--b-factor: is of the atoms that --write FILE names; add that");

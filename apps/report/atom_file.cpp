@@ -59,7 +59,7 @@ bool has_models(const Molecule& molecule) {
 
 }  // namespace
 
-std::string atoms_as_pdb(const Molecule& molecule, const AtomFigures& figures) {
+std::string atoms_as_pdb(const Molecule& molecule, const AtomColumn& figures) {
   constexpr std::uint64_t kSerials = 100'000;  // five columns
   const bool models = has_models(molecule);
   std::string text =
@@ -74,7 +74,7 @@ std::string atoms_as_pdb(const Molecule& molecule, const AtomFigures& figures) {
   return text + (models ? "ENDMDL\nEND\n" : "END\n");
 }
 
-std::string atoms_as_cif(const Molecule& molecule, const AtomFigures& figures) {
+std::string atoms_as_cif(const Molecule& molecule, const AtomColumn& figures) {
   std::string text = fmt::format(
       "data_vdwmesh\nloop_\n_atom_site.group_PDB\n_atom_site.id\n_atom_site.type_symbol\n"
       "_atom_site.label_atom_id\n_atom_site.label_alt_id\n_atom_site.label_comp_id\n"
@@ -102,11 +102,11 @@ std::string atoms_as_cif(const Molecule& molecule, const AtomFigures& figures) {
   return text;
 }
 
-std::optional<AtomWriter> find_atom_writer(const std::filesystem::path& path) {
+AtomWriter find_atom_writer(const std::filesystem::path& path) {
   const std::string extension = lower_case(path.extension().string());
   if (extension == ".pdb" || extension == ".ent") return atoms_as_pdb;
   if (extension == ".cif" || extension == ".mmcif") return atoms_as_cif;
-  return std::nullopt;
+  return nullptr;
 }
 
 }  // namespace vdwmesh::apps

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,19 +26,19 @@ inline std::pair<std::string_view, char> number_and_code(std::string_view text) 
 }
 
 // What a file of atoms has in place of B factors: one figure for each atom, NaN where it has none.
-struct AtomFigures {
+struct AtomColumn {
   std::string_view name;  // "area", as the column vdwmesh_area of mmCIF
   std::vector<double> values;
 };
 
 // Records of PDB, with two decimals, and -1.00 for an atom without a figure. Throws InvalidInput
 // where the columns of PDB have no room for a name, a number, a coordinate or a figure.
-std::string atoms_as_pdb(const Molecule& molecule, const AtomFigures& figures);
+std::string atoms_as_pdb(const Molecule& molecule, const AtomColumn& figures);
 // mmCIF's _atom_site. The figure is in B_iso_or_equiv, and again in a column of its own name.
-std::string atoms_as_cif(const Molecule& molecule, const AtomFigures& figures);
+std::string atoms_as_cif(const Molecule& molecule, const AtomColumn& figures);
 
-// Which of the two a name asks for by its extension (.pdb .ent .cif .mmcif); none of another one.
-using AtomWriter = std::string (*)(const Molecule&, const AtomFigures&);
-std::optional<AtomWriter> find_atom_writer(const std::filesystem::path& path);
+// Which of the two a name asks for by its extension (.pdb .ent .cif .mmcif); null for others.
+using AtomWriter = std::string (*)(const Molecule&, const AtomColumn&);
+AtomWriter find_atom_writer(const std::filesystem::path& path);
 
 }  // namespace vdwmesh::apps

@@ -173,8 +173,8 @@ void check_references(const OutputOptions& output, const Molecule& molecule, dou
 void write_atoms(const OutputOptions& output, const Molecule& molecule, double probe,
                  VerbSession& session) {
   if (output.atoms.empty()) return;
-  const AtomFigures figures{name_of(output.b_factor),
-                            atom_figures(output, molecule, probe, session)};
+  const AtomColumn figures{name_of(output.b_factor),
+                           atom_figures(output, molecule, probe, session)};
   const auto without =
       std::ranges::count_if(figures.values, [](double x) { return std::isnan(x); });
   if (without > 0) {
@@ -182,7 +182,7 @@ void write_atoms(const OutputOptions& output, const Molecule& molecule, double p
                         without, figures.name);
   }
   session.end_progress();
-  write_output(output.atoms, (*find_atom_writer(output.atoms))(molecule, figures));
+  write_output(output.atoms, find_atom_writer(output.atoms)(molecule, figures));
   session.end_stage(&Timing::write);
 }
 

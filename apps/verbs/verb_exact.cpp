@@ -32,6 +32,15 @@ void run_excluded(const Options& options, const Molecule& molecule, VerbSession&
   session.deliver_report(options.output);
 }
 
+// Makes a table and writes it if there is a name for it.
+template <class Text>
+void write_table(const std::string& where, const Text& text, VerbSession& session) {
+  if (where.empty()) return;
+  session.end_progress();
+  write_output(where, text());
+  session.end_stage(&Timing::write);
+}
+
 }  // namespace
 
 void run_exact(const Options& options) {
@@ -50,14 +59,10 @@ void run_exact(const Options& options) {
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   measure_polarity(molecule, session);
   const PerAtomTable table{molecule, input.probe, *session.report.exact, {}, options.output.group};
-  if (!options.output.per_atom.empty() || !options.output.residues.empty()) {
-    session.end_progress();
-    if (!options.output.per_atom.empty())
-      write_output(options.output.per_atom, per_atom_csv(table));
-    write_output(options.output.residues,
-                 options.output.residues.empty() ? "" : residue_areas_text(table));
-    session.end_stage(&Timing::write);
-  }
+  write_table(
+      options.output.per_atom, [&] { return per_atom_csv(table); }, session);
+  write_table(
+      options.output.residues, [&] { return residue_areas_text(table); }, session);
   write_voids(options.output, molecule, session);
   write_gradient(options.output, spheres, session);
   write_depths(options.output, molecule, input.probe, session);

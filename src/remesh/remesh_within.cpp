@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "excluded/excluded_bounds.hpp"
 #include "remesh/surface_remesher.hpp"
@@ -19,7 +20,7 @@ constexpr int kMostTries = 12;
 // The search ends with a distance of at least this share of what is allowed, or with lengths that
 // are too long by at most this factor.
 constexpr double kNearEnough = 0.75, kCloseBracket = 1.08;
-// Of the proven bound. A closer one takes points as the inverse square of it.
+// Of the proven distance; the number of points measured grows as its inverse square.
 constexpr double kGap = 0.2;
 constexpr double kAim = 0.88;           // the share that a next length aims at
 constexpr double kLongestEdge = 3;      // Å: longer than the radii of all atoms
@@ -35,7 +36,8 @@ RemeshedSurface remesh_within(const SphereSet& atoms, double max_distance,
   }
   const ExcludedPart part = options.exterior ? ExcludedPart::exterior : ExcludedPart::complete;
   RemeshedSurface best;
-  double good = 0, bad = 2 * kLongestEdge, least = 0;  // least: of the distances that were too long
+  // Lengths of which meshes are near enough and too far, and the least bound of the latter.
+  double good = 0, bad = 2 * kLongestEdge, least = std::numeric_limits<double>::infinity();
   double length = std::clamp(options.edge_length, kShortestEdge, kLongestEdge);
   for (int tries = 1; tries <= kMostTries; ++tries) {
     RemeshOptions now = options;
@@ -53,7 +55,7 @@ RemeshedSurface remesh_within(const SphereSet& atoms, double max_distance,
       if (farthest >= kNearEnough * max_distance || length == kLongestEdge) break;
     } else {
       bad = length;
-      least = least > 0 ? std::min(least, farthest) : farthest;
+      least = std::min(least, farthest);
       if (length == kShortestEdge) break;
     }
     if (good > 0 && bad <= kCloseBracket * good) break;
@@ -63,10 +65,10 @@ RemeshedSurface remesh_within(const SphereSet& atoms, double max_distance,
     length = std::clamp(length, kShortestEdge, kLongestEdge);
   }
   if (good > 0) return best;
-  throw LimitExceeded(
-      fmt::format("no mesh within {} Å of the excluded surface was found: the nearest is {:.3g} Å "
-                  "from it; allow a larger distance",
-                  max_distance, least));
+  throw LimitExceeded(fmt::format(
+      "no mesh was proven to be within {} Å of the excluded surface, only within {:.3g} "
+      "Å; allow a larger distance",
+      max_distance, least));
 }
 
 }  // namespace vdwmesh
