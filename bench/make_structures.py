@@ -3,6 +3,10 @@
 PDB files, turned at random, with 1,000 to 5,000 atoms each.
 
     bench/make_structures.py FOLDER COUNT FILE.pdb...
+    bench/make_structures.py --complexes RESIDUES FOLDER COUNT FILE.pdb...
+
+With --complexes each is the RESIDUES residues nearest to a random one of a file with several chains, which
+keep their chains.
 """
 
 import itertools
@@ -32,28 +36,49 @@ def random_rotation(dice):
             (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)))
 
 
+def place_of(line):
+    return [float(line[begin : begin + 8]) for begin in (30, 38, 46)]
+
+
 def turned(line, rotation):
-    place = [float(line[begin : begin + 8]) for begin in (30, 38, 46)]
+    place = place_of(line)
     moved = (sum(a * b for a, b in zip(row, place)) for row in rotation)
     return line[:30] + "".join(f"{coordinate:8.3f}" for coordinate in moved) + line[54:]
 
 
+def run_of(residues, dice):
+    """Lines of a run of residues that may begin anywhere and goes on at the first behind the last."""
+    wanted = dice.randint(LEAST, min(MOST, sum(map(len, residues))))
+    first = dice.randrange(len(residues))
+    lines = []
+    for residue in residues[first:] + residues[:first]:
+        if len(lines) + len(residue) > wanted and len(lines) >= LEAST:
+            break
+        lines += residue
+    return lines
+
+
+def nearest_to_one(residues, count, dice):
+    """Lines of the residues whose first atoms are nearest to that of a random one, in the order of the file."""
+    places = [place_of(residue[0]) for residue in residues]
+    centre = dice.choice(places)
+    near = sorted(range(len(residues)), key=lambda i: math.dist(places[i], centre))[:count]
+    return [line for i in sorted(near) for line in residues[i]]
+
+
 def main():
-    folder, count = pathlib.Path(sys.argv[1]), int(sys.argv[2])
+    arguments = sys.argv[1:]
+    complexes = 0
+    if arguments[0] == "--complexes":
+        complexes, arguments = int(arguments[1]), arguments[2:]
+    folder, count = pathlib.Path(arguments[0]), int(arguments[1])
     dice = random.Random("structures")
-    sources = [residues_of(pathlib.Path(name)) for name in sys.argv[3:]]
-    sources = [s for s in sources if sum(map(len, s)) >= LEAST]
+    sources = [residues_of(pathlib.Path(name)) for name in arguments[2:]]
+    sources = [s for s in sources if len(s) >= complexes and sum(map(len, s)) >= LEAST]
     folder.mkdir(parents=True, exist_ok=True)
     for number in range(count):
         residues = dice.choice(sources)
-        wanted = dice.randint(LEAST, min(MOST, sum(map(len, residues))))
-        # A run that may begin anywhere and goes on at the first residue behind the last.
-        first = dice.randrange(len(residues))
-        lines = []
-        for residue in residues[first:] + residues[:first]:
-            if len(lines) + len(residue) > wanted and len(lines) >= LEAST:
-                break
-            lines += residue
+        lines = nearest_to_one(residues, complexes, dice) if complexes else run_of(residues, dice)
         rotation = random_rotation(dice)
         text = "\n".join([*(turned(line, rotation) for line in lines), "END", ""])
         (folder / f"s{number:05}.pdb").write_text(text)

@@ -17,6 +17,10 @@ std::string duration_text(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
+double time_of_rest(double elapsed, double finished, double total) {
+  return elapsed * (total - finished) / finished;
+}
+
 void StudyProgress::begin_run(std::string name) {
   const std::lock_guard lock(mutex_);
   run_ = printable(std::move(name));
@@ -32,8 +36,8 @@ void StudyProgress::end_run(double weight) {
 
 std::string StudyProgress::time_left() const {
   if (finished_ == 0) return "time left not known yet";
-  const double seconds = watch_.seconds() * (total_ - finished_) / finished_;
-  return fmt::format("about {} left", duration_text(seconds));
+  return fmt::format("about {} left",
+                     duration_text(time_of_rest(watch_.seconds(), finished_, total_)));
 }
 
 std::string StudyProgress::text() const {

@@ -12,6 +12,9 @@ namespace vdwmesh::apps {
 // "50 s", "12 min", "3.5 h".
 std::string duration_text(double seconds);
 
+// How long the rest will take, in the unit of `elapsed`, if `finished` of `total` took that.
+double time_of_rest(double elapsed, double finished, double total);
+
 // Weights are in any unit that time is about proportional to.
 class StudyProgress : public ProgressLine {
  public:

@@ -182,7 +182,7 @@ def _numbered(sides: Any, coords: Any, count: int) -> tuple[list[Any], Ids]:
         )
     known: dict[Any, int] = {}
     numbers = np.full(count, -1, np.int32)
-    values: list[Any] = labels.tolist()
+    values: Any = labels.tolist()  # str, bytes or int
     for i, label in enumerate(values):
         if label not in ("", b"") and (isinstance(label, (str, bytes)) or label >= 0):
             numbers[i] = known.setdefault(label, len(known))

@@ -89,7 +89,7 @@ def residue_areas(
     --------
     >>> import vdwmesh
     >>> table = vdwmesh.residue_areas(vdwmesh.sample("ubiquitin", radii="protor"))
-    >>> len(table), table.resnames[7], round(table.relative[7], 2)
+    >>> len(table), str(table.resnames[7]), round(float(table.relative[7]), 2)
     (76, 'LEU', 0.76)
     """
     atoms = atoms_of(coords)

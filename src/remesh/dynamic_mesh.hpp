@@ -48,6 +48,14 @@ class DynamicMesh {
       h = opposite_[previous(h)];
     } while (h != out_[v]);
   }
+  // Every edge once, by the half-edge that begins at the lower vertex, as half-edges rise. A visit
+  // may change the mesh; then edges that it makes are visited if they come later.
+  template <class Visit>
+  void visit_edges(const Visit& visit) const {
+    for (HalfEdge h = 0; h < 3 * triangle_count(); ++h) {
+      if (is_triangle(h / 3) && from(h) < to(h)) visit(h);
+    }
+  }
   std::uint32_t valence(std::uint32_t v) const;
   HalfEdge find(std::uint32_t from, std::uint32_t to) const;  // kNone: there is no such edge
 

@@ -103,13 +103,6 @@ class Schedule {
   // An edge of a queue, with its share when it was put there.
   using Entry = std::tuple<double, std::uint32_t, std::uint32_t>;
 
-  template <class Take>
-  void for_edges(const Take& take) {
-    for (HalfEdge h = 0; h < 3 * mesh_.triangle_count(); ++h) {
-      if (mesh_.is_triangle(h / 3) && mesh_.from(h) < mesh_.to(h)) take(h);
-    }
-  }
-
   void collapse_below(double limit) {
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     const auto offer = [&](HalfEdge h) {
@@ -118,7 +111,7 @@ class Schedule {
       const std::uint32_t u = mesh_.from(h), w = mesh_.to(h);
       queue.emplace(share, std::min(u, w), std::max(u, w));
     };
-    for_edges(offer);
+    mesh_.visit_edges(offer);
     while (!queue.empty()) {
       const auto [share, u, w] = queue.top();
       queue.pop();
@@ -133,7 +126,7 @@ class Schedule {
   // The longest first. What a split makes is looked at in the next round.
   void split_long_edges() {
     std::vector<Entry> found;
-    for_edges([&](HalfEdge h) {
+    mesh_.visit_edges([&](HalfEdge h) {
       const double share = operations_.share(h);
       if (share > kLongestShare) found.emplace_back(-share, mesh_.from(h), mesh_.to(h));
     });
@@ -146,7 +139,7 @@ class Schedule {
   }
 
   void flip_all() {
-    for_edges([&](HalfEdge h) {
+    mesh_.visit_edges([&](HalfEdge h) {
       counter_.count();
       operations_.flip(h);
     });

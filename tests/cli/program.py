@@ -111,9 +111,10 @@ def ranks_environment():
     also where there are no more ranks than cores, because several runs share these. Each run has a folder of its own
     for its sessions: runs of one user at the same time would share one, and the first that ends removes it, which may
     be just when another one makes its part of it and so cannot start ("ORTE_ERROR_LOG: Error in file session_dir.c").
+    All ranks are on this host: by its loopback TCP works without a network, of which Open MPI 5 would complain.
     """
     return {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-            "OMPI_MCA_mpi_yield_when_idle": "1",
+            "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_btl_tcp_if_include": "lo",
             "OMPI_MCA_orte_tmpdir_base": tempfile.mkdtemp(dir=_sessions.name)}  # fmt: skip
 
 

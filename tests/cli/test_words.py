@@ -141,6 +141,7 @@ class Plausible(ProgramTest):
         notes = [note for note in self.told("exact", self.file("ca.pdb", trace)) if "trace of the chain" in note]
         self.assertEqual(len(notes), 1)
         beads = self.file("beads.txt", "".join(f"{name} CA 2.5\n" for name in sorted({line[17:20] for line in trace.splitlines()})))
+        self.assertIn("each of the 76 residues has its CA alone", notes[0])
         self.assertIn("--radii bondi,FILE", notes[0])
         areas = [self.report("exact", self.folder / "ca.pdb", *options)["exact"]["area"]
                  for options in ((), ("--radii", f"bondi,{beads}"))]  # fmt: skip

@@ -71,7 +71,7 @@ TESTS = {
                  "arrangement_gradients_test", "excluded_growth_test", "cli.excluded"],
     "pockets": ["pockets_test", "cli.pockets"],
     "interface": ["interface_test", "cli.interface"],
-    "remesh": ["surface_remesher_contract_test", "cli.excluded", "cli.meshes"],
+    "remesh": ["remesh_test", "surface_remesher_contract_test", "cli.excluded", "cli.meshes"],
     "mesh": ["test_surface_mesh", "test_mesh_io", "cli.meshes", "cli.foreign", "cli.files"],
     "analysis": ["test_cell_pairs", "test_mesh_measures", "test_study", "test_distances",
                  "distance_measurer_contract_test", "properties_test", "cli.report", "cli.meshes", "cli.study"],

@@ -2,6 +2,7 @@
 stays flat; frames that cannot be measured are named, and those before them are not lost."""
 
 import csv
+import functools
 import gc
 import importlib
 import os
@@ -21,6 +22,11 @@ from test_calls import ANSWER, seconds_to_stop
 
 NAN = float("nan")
 
+# By default a machine with a CUDA device takes it where there is much to do, and the last bit of a sum may then be
+# another one. test_cuda_arrays tries the device.
+exact_of = functools.partial(vdwmesh.exact, device="cpu")
+frames_of = functools.partial(vdwmesh.frames, device="cpu")
+
 
 def jittered(molecule, frames, seed=1):
     """The molecule with atoms that are moved by about 0.2 Å in each frame, float32."""
@@ -38,12 +44,12 @@ class ExcludedTest(unittest.TestCase):
         places = jittered(molecule, 3)
         found = vdwmesh.trajectory(places, radii=molecule.radii, surface="excluded", per_atom=True)
         for i, place in enumerate(places):
-            alone = vdwmesh.exact(place, molecule.radii, surface="excluded")
+            alone = exact_of(place, molecule.radii, surface="excluded")
             self.assertEqual((found.area[i], found.volume[i]), (alone.area, alone.volume))
             np.testing.assert_array_equal(found.atom_area[i], alone.atom_area)
         for wrong, word in (({"topology": True}, "surface"), ({"atoms": [1]}, "surface"), ({"surface": "vdv"}, "surface")):
             with self.subTest(wrong), self.assertRaisesRegex(ValueError, word):
-                vdwmesh.frames(places, radii=molecule.radii, **({"surface": "excluded"} | wrong))
+                frames_of(places, radii=molecule.radii, **({"surface": "excluded"} | wrong))
 
 
 class ArraysTest(unittest.TestCase):
@@ -56,9 +62,9 @@ class ArraysTest(unittest.TestCase):
     def test_frames_have_the_digits_of_single_calls(self):
         half = np.arange(len(self.molecule)) % 2 == 0
         for options in ({}, {"probe": 1.4}, {"atoms": half}, {"topology": "counts"}, {"topology": True}):
-            expected = [vdwmesh.exact(frame, self.radii, **options) for frame in self.places]
+            expected = [exact_of(frame, self.radii, **options) for frame in self.places]
             for chunk, threads in ((1, 1), (3, 2), (64, None)):
-                found = list(vdwmesh.frames(self.places, radii=self.radii, per_atom=True, chunk=chunk,
+                found = list(frames_of(self.places, radii=self.radii, per_atom=True, chunk=chunk,
                                             threads=threads, **options))  # fmt: skip
                 with self.subTest(options=options.keys(), chunk=chunk):
                     self.assertEqual([one.frame for one in found], list(range(7)))
@@ -83,21 +89,21 @@ class ArraysTest(unittest.TestCase):
         self.assertIsNone(counts.tunnels)
 
     def test_atoms_are_not_kept_unless_asked_for(self):
-        one = next(vdwmesh.frames(self.places, radii=self.radii))
+        one = next(frames_of(self.places, radii=self.radii))
         self.assertIsNone(one.atom_area)
         self.assertIsNone(one.time)
 
     def test_slices(self):
-        expected = areas(vdwmesh.frames(self.places, radii=self.radii))
+        expected = areas(frames_of(self.places, radii=self.radii))
         for part in (slice(2, None), slice(None, None, 3), slice(-2, None), slice(5, 1, -2), slice(1, 6, 2)):
-            found = list(vdwmesh.frames(self.places, radii=self.radii, start=part.start, stop=part.stop,
+            found = list(frames_of(self.places, radii=self.radii, start=part.start, stop=part.stop,
                                         step=part.step, chunk=2))  # fmt: skip
             self.assertEqual(areas(found), expected[part])
             self.assertEqual([one.frame for one in found], list(range(7))[part])
 
     def test_iterables_and_arrays_of_all_kinds(self):
-        expected = areas(vdwmesh.frames(self.places, radii=self.radii))
-        wide = areas(vdwmesh.frames(self.places.astype(float) + 0.1, radii=self.radii))
+        expected = areas(frames_of(self.places, radii=self.radii))
+        wide = areas(frames_of(self.places.astype(float) + 0.1, radii=self.radii))
         self.assertNotEqual(expected, wide)
         rows = np.zeros((7, 3, len(self.molecule)), np.float32)
         rows[...] = self.places.transpose(0, 2, 1)
@@ -111,7 +117,7 @@ class ArraysTest(unittest.TestCase):
             ("both", (f if i < 3 else f.astype(float) for i, f in enumerate(self.places)), expected),
         ):
             with self.subTest(name):
-                self.assertEqual(areas(vdwmesh.frames(traj, radii=self.radii, chunk=2)), digits)
+                self.assertEqual(areas(frames_of(traj, radii=self.radii, chunk=2)), digits)
 
     def test_an_iterable_may_use_one_array_for_all_frames(self):
         def one_array():
@@ -120,29 +126,29 @@ class ArraysTest(unittest.TestCase):
                 array[...] = frame
                 yield array
 
-        self.assertEqual(areas(vdwmesh.frames(one_array(), radii=self.radii, chunk=2)),
-                         areas(vdwmesh.frames(self.places, radii=self.radii)))  # fmt: skip
+        self.assertEqual(areas(frames_of(one_array(), radii=self.radii, chunk=2)),
+                         areas(frames_of(self.places, radii=self.radii)))  # fmt: skip
 
     def test_streams_are_cut_from_the_left(self):
-        expected = areas(vdwmesh.frames(self.places, radii=self.radii))
-        found = list(vdwmesh.frames(iter(self.places), radii=self.radii, start=1, stop=6, step=2))
+        expected = areas(frames_of(self.places, radii=self.radii))
+        found = list(frames_of(iter(self.places), radii=self.radii, start=1, stop=6, step=2))
         self.assertEqual(areas(found), expected[1:6:2])
         self.assertEqual([one.frame for one in found], [1, 3, 5])
         with self.assertRaisesRegex(ValueError, "start: is -1, but the number of frames is not known"):
-            vdwmesh.frames(iter(self.places), radii=self.radii, start=-1)
+            frames_of(iter(self.places), radii=self.radii, start=-1)
 
     def test_selected_atoms_are_alone_and_chosen_ones_are_not(self):
         ids = np.flatnonzero(self.molecule.chains == self.molecule.chains[0])[:200]
         for traj in (self.places, iter(self.places)):
-            found = next(vdwmesh.frames(traj, radii=self.radii, select=ids, atoms=[0, 5], per_atom=True))
-            alone = vdwmesh.exact(self.places[0][ids], self.radii[ids], atoms=[0, 5])
+            found = next(frames_of(traj, radii=self.radii, select=ids, atoms=[0, 5], per_atom=True))
+            alone = exact_of(self.places[0][ids], self.radii[ids], atoms=[0, 5])
             self.assertEqual(found.area, alone.area)
             np.testing.assert_array_equal(found.atom_area, alone.atom_area)
-            self.assertEqual(next(vdwmesh.frames(self.places, radii=self.radii[ids], select=ids)).area,
-                             vdwmesh.exact(self.places[0][ids], self.radii[ids]).area)  # fmt: skip
+            self.assertEqual(next(frames_of(self.places, radii=self.radii[ids], select=ids)).area,
+                             exact_of(self.places[0][ids], self.radii[ids]).area)  # fmt: skip
 
     def test_a_molecule_is_one_frame(self):
-        self.assertEqual(areas(vdwmesh.frames(self.molecule)), [vdwmesh.exact(self.molecule).area])
+        self.assertEqual(areas(frames_of(self.molecule)), [exact_of(self.molecule).area])
 
     def test_wrong_arguments(self):
         frames = self.places
@@ -172,7 +178,7 @@ class ArraysTest(unittest.TestCase):
             ("device: tpu", frames, {"device": "tpu"}),
         ):
             with self.subTest(begins=begins), self.assertRaises(vdwmesh.InvalidInput) as caught:
-                list(vdwmesh.frames(traj, **{"radii": self.radii, **options}))
+                list(frames_of(traj, **{"radii": self.radii, **options}))
             self.assertTrue(str(caught.exception).startswith(begins), str(caught.exception))
             self.assertNotIn("\n", str(caught.exception))
 
@@ -185,12 +191,12 @@ class BadFramesTest(unittest.TestCase):
     def assert_ends(self, traj, message, number, **options):
         found = []
         with self.assertRaises(ValueError) as caught:
-            for frame in vdwmesh.frames(traj, radii=[1, 1], **options):
+            for frame in frames_of(traj, radii=[1, 1], **options):
                 found.append(frame)
         self.assertEqual(str(caught.exception), message)
         self.assertEqual(len(found), number)
         for one in found:
-            self.assertEqual(one.area, vdwmesh.exact(self.places[one.frame], [1, 1]).area)
+            self.assertEqual(one.area, exact_of(self.places[one.frame], [1, 1]).area)
 
     def test_numbers_that_are_not_finite(self):
         self.places[[5, 7], 1, 1] = NAN
@@ -218,7 +224,7 @@ class BadFramesTest(unittest.TestCase):
 
         found = []
         with self.assertRaisesRegex(OSError, "the file ends within a frame"):
-            for frame in vdwmesh.frames(damaged(), radii=[1, 1], chunk=3):
+            for frame in frames_of(damaged(), radii=[1, 1], chunk=3):
                 found.append(frame.frame)
         self.assertEqual(found, [0, 1, 2, 3, 4])
 
@@ -283,14 +289,14 @@ class MannersTest(unittest.TestCase):
                 read += 1
                 yield np.zeros((1, 3))
 
-        found = vdwmesh.frames(places(), radii=[1], chunk=5)
+        found = frames_of(places(), radii=[1], chunk=5)
         for number, _ in enumerate(found):
             # Those of this chunk, of the next one, and the one that is waited for.
             self.assertLessEqual(read, 5 * (number // 5 + 2) + 1)
 
     def test_the_reader_ends_with_the_frames(self):
         before = threading.active_count()
-        frames = vdwmesh.frames((np.zeros((1, 3)) for _ in range(10**6)), radii=[1], chunk=4)
+        frames = frames_of((np.zeros((1, 3)) for _ in range(10**6)), radii=[1], chunk=4)
         next(frames)
         frames.close()
         self.assertEqual(threading.active_count(), before)
@@ -316,7 +322,7 @@ class MannersTest(unittest.TestCase):
             return (frame + i for i in range(count))
 
         def run(count):
-            for _ in vdwmesh.frames(places(count), radii=np.full(200, 1.5), chunk=16, per_atom=True):
+            for _ in frames_of(places(count), radii=np.full(200, 1.5), chunk=16, per_atom=True):
                 pass
             gc.collect()
             return resident()
@@ -423,17 +429,17 @@ class MdtrajTest(unittest.TestCase):
         self.traj = self.mdtraj.Trajectory(places, protein.topology, time=np.arange(5) * 2.0)
 
     def test_trajectories(self):
-        found = list(vdwmesh.frames(self.traj, probe=1.4, chunk=2, topology="counts"))
+        found = list(frames_of(self.traj, probe=1.4, chunk=2, topology="counts"))
         self.assertEqual([one.time for one in found], [0, 2, 4, 6, 8])
         for one in found:
-            alone = vdwmesh.exact(self.traj[one.frame], probe=1.4, topology="counts")
+            alone = exact_of(self.traj[one.frame], probe=1.4, topology="counts")
             self.assertEqual((one.area, one.counts), (alone.area, alone.counts))
 
     def test_selections(self):
         chosen = self.traj.topology.select("backbone")
         found = vdwmesh.trajectory(self.traj, select="backbone", step=2)
         self.assertEqual(found.times.tolist(), [0, 4, 8])
-        alone = vdwmesh.exact(self.traj[4].atom_slice(chosen))
+        alone = exact_of(self.traj[4].atom_slice(chosen))
         self.assertEqual(found.area[2], alone.area)
 
     def test_iterload(self):
@@ -474,11 +480,11 @@ class MdanalysisTest(unittest.TestCase):
             protein = universe.select_atoms("protein")
             universe.trajectory[3]
             for select, traj in ((None, protein), ("protein", universe)):
-                found = list(vdwmesh.frames(traj, select=select, chunk=2, topology="counts"))
+                found = list(frames_of(traj, select=select, chunk=2, topology="counts"))
                 self.assertEqual(universe.trajectory.frame, 3)  # the universe stays where it is
                 for ts, one in zip(universe.trajectory, found):
                     self.assertEqual((one.frame, one.time), (ts.frame, ts.time))
-                    alone = vdwmesh.exact(protein, topology="counts")
+                    alone = exact_of(protein, topology="counts")
                     self.assertEqual((one.area, one.counts), (alone.area, alone.counts), extension)
                 universe.trajectory[3]
             self.assertEqual(len(found), 5)
@@ -489,7 +495,7 @@ class MdanalysisTest(unittest.TestCase):
         found = vdwmesh.trajectory(protein, start=-1, stop=0, step=-2, atoms=[7], per_atom=True)
         self.assertEqual(found.frames.tolist(), [4, 2])
         universe.trajectory[2]
-        self.assertEqual(found.area[1], vdwmesh.exact(protein, atoms=[7]).area)
+        self.assertEqual(found.area[1], exact_of(protein, atoms=[7]).area)
 
     def test_in_memory(self):
         for order in ("fac", "afc"):
@@ -498,7 +504,7 @@ class MdanalysisTest(unittest.TestCase):
             found = vdwmesh.trajectory(universe, select="protein", start=1)
             self.assertEqual(found.times.tolist(), [2, 4, 6, 8])
             universe.trajectory[2]
-            self.assertEqual(found.area[1], vdwmesh.exact(universe.select_atoms("protein")).area)
+            self.assertEqual(found.area[1], exact_of(universe.select_atoms("protein")).area)
 
     def test_damaged_files(self):
         path = self.paths["xtc"]
@@ -508,7 +514,7 @@ class MdanalysisTest(unittest.TestCase):
         with open(path, "r+b") as file:
             file.truncate(pathlib.Path(path).stat().st_size - 100)
         with self.assertRaisesRegex(OSError, "^traj: frame 4 cannot be read"):
-            for frame in vdwmesh.frames(universe, chunk=3):
+            for frame in frames_of(universe, chunk=3):
                 found.append(frame.area)
         self.assertEqual(found, whole[:4].tolist())
 
@@ -524,7 +530,7 @@ class MdanalysisTest(unittest.TestCase):
             self.assertEqual(done.frames.tolist(), [1, 2, 3, 4])
             self.assertEqual(results.residue_area.shape, (4, len(protein.residues)))
             for row, _ in enumerate(universe.trajectory[1:]):
-                alone = vdwmesh.exact(protein, probe=1.4, topology="counts")
+                alone = exact_of(protein, probe=1.4, topology="counts")
                 self.assertEqual((results.area[row], results.volume[row]), (alone.area, alone.volume))
                 self.assertEqual(results.euler_characteristic[row], alone.counts.euler_characteristic)
                 np.testing.assert_array_equal(results.atom_area[row], alone.atom_area)
@@ -544,7 +550,7 @@ class MdanalysisTest(unittest.TestCase):
             universe.trajectory[3]
             everything = context | part
             chosen = np.isin(everything.ix, part.ix)
-            alone = vdwmesh.exact(everything, probe=1.4, atoms=chosen)
+            alone = exact_of(everything, probe=1.4, atoms=chosen)
             self.assertEqual(results.area[1], alone.area)
             np.testing.assert_array_equal(results.atom_area[1], alone.atom_area[chosen][::-1])
             for column, residue in enumerate(part.residues):
@@ -568,7 +574,7 @@ class MdanalysisTest(unittest.TestCase):
 
     def test_nothing_selected(self):
         with self.assertRaisesRegex(ValueError, "select: 'resname NONE' chooses no atom"):
-            vdwmesh.frames(self.universe, select="resname NONE")
+            frames_of(self.universe, select="resname NONE")
 
 
 if __name__ == "__main__":

@@ -133,15 +133,16 @@ TEST(Pdb, LineEndsAndByteOrderMarkDoNotMatter) {
 
 TEST(Pdb, HybridSerialsAreNumbers) {
   std::string text;
-  for (const char* serial : {"99999", "A0000", "ZZZZZ", "a0000", "*****"}) {
+  for (const char* serial : {"99999", "A0000", "ZZZZZ", "a0000", "*****", "A00.0"}) {
     std::string line = record(" C1 ", "UNL", 1);
     text += line.replace(6, 5, serial) + "\n";
   }
   const Molecule molecule = read_text_as("a.pdb", text);
   std::vector<std::int64_t> serials;
   for (const Atom& atom : molecule.atoms) serials.push_back(atom.serial);
-  // cci.lbl.gov/hybrid_36: A0000 = 100000, ZZZZZ = 43770015, a0000 = 43770016.
-  EXPECT_EQ(serials, (std::vector<std::int64_t>{99999, 100000, 43770015, 43770016, 5}));
+  // cci.lbl.gov/hybrid_36: A0000 = 100000, ZZZZZ = 43770015, a0000 = 43770016. What is
+  // no number is counted.
+  EXPECT_EQ(serials, (std::vector<std::int64_t>{99999, 100000, 43770015, 43770016, 5, 6}));
 }
 
 TEST(Pdb, MoreAtomsThanFiveDigits) {
