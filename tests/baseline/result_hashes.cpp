@@ -2,6 +2,7 @@
 // The first line says which version of the loops runs.
 #include <fmt/format.h>
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -43,7 +44,7 @@ void print(const std::string& name, const IndexedMesh& mesh) {
 
 void print(const std::string& name, const std::vector<double>& values) {
   fmt::print("{}:", name);
-  for (const double value : values) fmt::print(" {:a}", value);
+  for (const double value : values) fmt::print(" {:016x}", std::bit_cast<std::uint64_t>(value));
   fmt::print("\n");
 }
 

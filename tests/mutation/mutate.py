@@ -41,10 +41,10 @@ OTHER_PROGRAMS = {"cli.ranks": (("vdwmesh", "vdwmesh_mpi", "ranks_after_failure"
                   "cli.bench": (("vdwmesh_bench",), "VDWMESH_BENCH_PROGRAM")}  # fmt: skip
 
 # ctest's names of the tests that can notice a broken line of a room, the quick ones first.
-PROGRAM = ["cli.options", "cli.per_atom", "cli.report", "cli.surfaces", "cli.meshes", "cli.files", "cli.render",
-           "cli.words", "cli.exact_mesher", "cli.excluded", "cli.interface", "cli.pockets", "cli.batch", "cli.foreign",
-           "cli.study", "cli.page", "cli.view", "cli.bench", "cli.memory", "cli.signals", "cli.bad_places", "cli.repeatable",
-           "cli.bad_files"]
+PROGRAM = ["cli.options", "cli.option_pairs", "cli.manual", "cli.per_atom", "cli.report", "cli.surfaces",
+           "cli.meshes", "cli.files", "cli.render", "cli.words", "cli.exact_mesher", "cli.excluded",
+           "cli.interface", "cli.pockets", "cli.batch", "cli.foreign", "cli.study", "cli.page", "cli.view",
+           "cli.bench", "cli.memory", "cli.signals", "cli.bad_places", "cli.repeatable", "cli.bad_files"]
 TESTS = {
     "core": ["core_test", "spheres_test", "unit_extract", "test_mesh_measures", "refine_test", "arrangement_union_test",
              "extractor_contract_test", "cli.options", "cli.signals", "cli.files"],
@@ -72,7 +72,7 @@ TESTS = {
     "pockets": ["pockets_test", "cli.pockets"],
     "interface": ["interface_test", "cli.interface"],
     "remesh": ["remesh_test", "surface_remesher_contract_test", "cli.excluded", "cli.meshes"],
-    "mesh": ["test_surface_mesh", "test_mesh_io", "cli.meshes", "cli.foreign", "cli.files"],
+    "mesh": ["test_surface_mesh", "test_mesh_io", "unit_distributed", "cli.meshes", "cli.foreign", "cli.files"],
     "analysis": ["test_cell_pairs", "test_mesh_measures", "test_study", "test_distances",
                  "distance_measurer_contract_test", "properties_test", "cli.report", "cli.meshes", "cli.study"],
     "render": ["render_test", "picture_test", "cli.render"],
