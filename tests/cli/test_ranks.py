@@ -58,10 +58,10 @@ def command(ranks, *arguments):
 
 
 def run_start(start, **options):
-    """The result of one mpirun, without what mpirun itself says: of a failure, in frames of dashes, and warnings of
-    its event loop. Open MPI 5 now and then adds bytes 0 to what a rank wrote."""
+    """The result of one mpirun, without what mpirun itself says: of a failure, in frames of dashes, and in lines that
+    begin with [HOST:PID] or [warn]. Open MPI 5 now and then adds bytes 0 to what a rank wrote."""
     result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment(), **options)
-    result.stderr = re.sub(r"(?m)^-{74}\n(?:.*\n)*?-{74}\n|^\[warn\] Epoll .*\n", "", result.stderr)
+    result.stderr = re.sub(r"(?m)^-{74}\n(?:.*\n)*?-{74}\n|^\[(warn|[\w.-]+:\d+)\] .*\n", "", result.stderr)
     result.stdout, result.stderr = (text.replace("\0", "") for text in (result.stdout, result.stderr))
     return result
 
