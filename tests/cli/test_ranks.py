@@ -42,15 +42,8 @@ def sparse_sets():
     return sorted(need_shared("molecules/sparse").glob("*.xyzr"))
 
 
-@functools.cache
-def quiet_option():
-    """Open MPI 5 has no -q."""
-    version = subprocess.run([MPIRUN, "--version"], capture_output=True, text=True, check=True).stdout
-    return ["-q"] if int(re.search(r"\) (\d+)\.", version)[1]) < 5 else []
-
-
 def mpirun(ranks, program):
-    return [MPIRUN, *quiet_option(), "--oversubscribe", "-n", str(ranks), program]
+    return [MPIRUN, "--oversubscribe", "-n", str(ranks), program]
 
 
 def command(ranks, *arguments):
@@ -58,10 +51,11 @@ def command(ranks, *arguments):
 
 
 def run_start(start, **options):
-    """The result of one mpirun, without what mpirun itself says: of a failure, in frames of dashes, and in lines that
-    begin with [HOST:PID] or [warn]. Open MPI 5 now and then adds bytes 0 to what a rank wrote."""
+    """The result of one mpirun. What mpirun itself says is `mpirun_stderr` alone: of a failure, in frames of dashes, and
+    lines that begin with [HOST:PID] or [warn]. Open MPI 5 now and then adds bytes 0 to what a rank wrote."""
     result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ranks_environment(), **options)
-    result.stderr = re.sub(r"(?m)^-{74}\n(?:.*\n)*?-{74}\n|^\[(warn|[\w.-]+:\d+)\] .*\n", "", result.stderr)
+    result.mpirun_stderr = result.stderr
+    result.stderr = re.sub(r"(?m)^(-{40,})\n(?:.*\n)*?\1\n|^\[(warn|[\w.-]+:\d+)\] .*\n", "", result.stderr)
     result.stdout, result.stderr = (text.replace("\0", "") for text in (result.stdout, result.stderr))
     return result
 
@@ -91,13 +85,11 @@ class RanksTest(ProgramTest):
     def run_ranks_ok(self, ranks, *arguments, **options):
         """Where mpirun could not even start the ranks, which say themselves why they fail, it is asked once more, and
         its first answer stands in the log."""
-        loud = [word for word in command(ranks, *arguments) if word != "-q"]
-        loudly = functools.partial(subprocess.run, loud, capture_output=True, text=True, timeout=300, **options)
-        result = loudly(env=ranks_environment())
+        result = run_ranks(ranks, *arguments, **options)
         if result.returncode != DONE and "vdwmesh-mpi: " not in result.stderr and "stdin" not in options:
-            print(f"mpirun ended with {result.returncode}: {result.stderr}", file=sys.stderr)
-            result = loudly(env=ranks_environment())
-        self.assertEqual(result.returncode, DONE, f"{ranks} ranks, {arguments}: {result.stderr}")
+            print(f"mpirun ended with {result.returncode}: {result.mpirun_stderr}", file=sys.stderr)
+            result = run_ranks(ranks, *arguments, **options)
+        self.assertEqual(result.returncode, DONE, f"{ranks} ranks, {arguments}: {result.mpirun_stderr}")
         return result
 
     def assert_all_end(self, status, *arguments, says=(), ranks=3, **options):
@@ -199,8 +191,7 @@ class Meshes(MeshTest):
                                (UBIQUITIN, ("--spacing", "1", "--subdivide", "1", "--project", "none"), (3,)))  # fmt: skip
 
     def test_a_rank_without_vertices_of_its_own_has_normals(self):
-        start = mpirun(3, os.environ["VDWMESH_RANK_WITHOUT_VERTICES"])
-        result = run_start(start)
+        result = run_start(mpirun(3, os.environ["VDWMESH_RANK_WITHOUT_VERTICES"]))
         self.assertEqual((result.returncode, result.stderr), (0, ""))
 
     def test_subdivisions_of_few_and_far_atoms(self):
@@ -700,8 +691,7 @@ class Faults(RanksTest):
 
     def test_a_rank_that_fails_after_a_failure_that_was_caught(self):
         """All end, as they would not if they took the first failure for one that leaves nobody waiting."""
-        start = mpirun(3, os.environ["VDWMESH_RANKS_AFTER_FAILURE"])
-        result = run_start(start)
+        result = run_start(mpirun(3, os.environ["VDWMESH_RANKS_AFTER_FAILURE"]))
         self.assertEqual((result.returncode, result.stderr), (LIMIT_HIT, "rank 2 ends all\n"))
 
 
