@@ -404,7 +404,7 @@ class ExcludedMesher {
     }
     std::sort(atoms.begin(), atoms.end());
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
-    throw LimitExceeded(fmt::format(
+    throw CurvesTooClose(fmt::format(
         "the excluded surface has no mesh: between spheres {} its curves are too close to be told "
         "apart {}",
         fmt::join(atoms, ", "), by));

@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-#include "core/errors.hpp"
+#include "core/curves_too_close.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "surface/surface_patch.hpp"
 
@@ -49,8 +49,7 @@ struct ExcludedMesh : PatchedMesh {
 // the arguments alone, not on the number of threads.
 // Throws InvalidInput as excluded_measures() does, and for an edge length that is not finite and
 // positive; LimitExceeded before it takes memory beyond the limit, if a concave patch is not
-// certified, if curves are too close to be told apart, or if the mesh has not the topology of the
-// surface; and Cancelled.
+// certified, or if the mesh has not the topology of the surface; CurvesTooClose; and Cancelled.
 ExcludedMesh mesh_excluded(const SphereSet& atoms, const ExcludedMeshOptions& options = {});
 
 }  // namespace vdwmesh

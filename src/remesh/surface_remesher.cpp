@@ -37,8 +37,10 @@ using namespace remesh;
 using RemeshClock = std::chrono::steady_clock;
 
 // The exact mesh has this share of the edge length, but at most 0.7 Å: with longer edges it gets
-// next to no fewer triangles.
+// next to no fewer triangles. Where its curves are too close to be told apart, it is tried again
+// with half of that, so many times in all.
 constexpr double kExactShare = 0.9, kLongestExact = 0.7;
+constexpr int kMostExactTries = 3;
 // Edges below these shares of the wanted length are collapsed, first and in rounds.
 constexpr double kShortFirst = 0.8, kShortInRounds = 0.7;
 // Rounds of the whole mesh, flips and moves in each, and rounds of its worst triangles.
@@ -282,12 +284,7 @@ class Remesher {
   RemeshedSurface run() {
     const RemeshClock::time_point begin = RemeshClock::now();
     const double length = options_.edge_length;
-    const ExcludedMesh exact =
-        mesh_excluded(atoms_, {.probe = options_.probe,
-                               .edge_length = std::min(kExactShare * length, kLongestExact),
-                               .exterior = options_.exterior,
-                               .memory_limit = options_.memory_limit,
-                               .monitor = options_.monitor});
+    const ExcludedMesh exact = exact_mesh(std::min(kExactShare * length, kLongestExact));
     const double exact_seconds = elapsed_since(begin);
     check_memory(exact.mesh);
     begin_stage(options_.monitor, "find features", 1);
@@ -308,6 +305,20 @@ class Remesher {
   }
 
  private:
+  ExcludedMesh exact_mesh(double edge_length) const {
+    for (int tries = 1;; ++tries, edge_length /= 2) {
+      try {
+        return mesh_excluded(atoms_, {.probe = options_.probe,
+                                      .edge_length = edge_length,
+                                      .exterior = options_.exterior,
+                                      .memory_limit = options_.memory_limit,
+                                      .monitor = options_.monitor});
+      } catch (const CurvesTooClose&) {
+        if (tries == kMostExactTries) throw;
+      }
+    }
+  }
+
   void check_memory(const IndexedMesh& exact) const {
     const std::uint64_t need =
         indexed_mesh_bytes(exact) + kBytesPerTriangle * exact.triangle_count();

@@ -17,6 +17,7 @@
 #include "excluded/excluded_bounds.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "excluded/excluded_measures.hpp"
+#include "excluded/excluded_mesher.hpp"
 #include "refine/patch_refiner.hpp"
 #include "spheres/directions.hpp"
 #include "support/shared_files.hpp"
@@ -170,6 +171,20 @@ TEST(SurfaceRemesher, ACavityKeepsItsWall) {
     EXPECT_EQ(topology(complete.mesh).voids, 1u);
     EXPECT_EQ(topology(expect_remeshed(cage, 1.0, density, true).mesh).voids, 0u);
   }
+}
+
+// The mesh along the curves is not found with long edges, so shorter ones are tried. Far balls keep
+// the frame, and with it the rounding, of the molecule in which this was seen.
+TEST(SurfaceRemesher, CurvesThatLongEdgesDoNotTellApart) {
+  const SphereSet atoms({{{-1.227, -34.257, 8.755}, 1.55},
+                         {{5.883, 11.524, -26.476}, 1.7},
+                         {{11.056, 16.896, -2.182}, 1.7},
+                         {{6.750, 13.708, -0.486}, 1.7},
+                         {{8.212, 13.645, -0.243}, 1.7},
+                         {{6.183, 17.873, -3.872}, 1.7},
+                         {{6.306, 15.583, -5.061}, 1.7}});
+  EXPECT_THROW(mesh_excluded(atoms, {.probe = 1.4, .edge_length = 0.7}), CurvesTooClose);
+  expect_remeshed(atoms, 1.4, 2);
 }
 
 TEST(SurfaceRemesher, TrianglesFaceOutward) {

@@ -6,17 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.hpp"
+#include "core/curves_too_close.hpp"
 #include "creases/arcs/arc_sampling.hpp"
 #include "creases/arcs/boundary_arcs.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
-
-// Thrown if curves of the boundary lie too close to be told apart. Coarser feature sizes may help.
-class CurvesTooClose : public LimitExceeded {
-  using LimitExceeded::LimitExceeded;
-};
 
 class SplitLimits {
  public:
