@@ -2,7 +2,7 @@
 # are for users. They include none of the others: tests/sources checks that, and tests/consumer
 # compiles every one of them alone from an installed copy.
 set(vdwmesh_rooms core spheres surface structure extract refine complex measures pockets creases excluded remesh interface batch mesh analysis render cuda)
-set(core_headers buffer errors host_device monitor sum vec3 workspace)
+set(core_headers buffer curves_too_close errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas short_text)
 set(spheres_headers cell_list_frame sphere_batch sphere_set)
 set(surface_headers indexed_mesh surface_patch vertex_labels)
