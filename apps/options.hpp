@@ -51,6 +51,8 @@ enum class AtomGroup { atom, residue, chain };
 
 // What a file of atoms has as B factors.
 enum class AtomFigure { area, volume, exposure, depth };
+// The same of interfaces: what an atom loses in all of them, its contacts, and its area alone.
+enum class InterfaceFigure { buried, contact, area };
 
 enum class RowFormat { by_extension, jsonl, csv };
 
@@ -82,6 +84,7 @@ struct OutputOptions {
   std::string json, per_atom, voids, csv, spheres, gradient, depth, atoms, residues;
   AtomGroup group = AtomGroup::atom;
   AtomFigure b_factor = AtomFigure::area;  // of `atoms`
+  InterfaceFigure interface_figure = InterfaceFigure::buried;
 };
 
 }  // namespace vdwmesh::apps

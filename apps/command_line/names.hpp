@@ -41,6 +41,11 @@ inline constexpr auto kNames<apps::AtomFigure> =
                              {"exposure", apps::AtomFigure::exposure},
                              {"depth", apps::AtomFigure::depth}});
 template <>
+inline constexpr auto kNames<apps::InterfaceFigure> =
+    names<apps::InterfaceFigure>({{"buried", apps::InterfaceFigure::buried},
+                                  {"contact", apps::InterfaceFigure::contact},
+                                  {"area", apps::InterfaceFigure::area}});
+template <>
 inline constexpr auto kNames<apps::BatchVerb> =
     names<apps::BatchVerb>({{"exact", apps::BatchVerb::exact},
                             {"report", apps::BatchVerb::report},

@@ -348,10 +348,11 @@ std::vector<Option> picture_options(Draft& d) {
        "values at the ends of the colour map", otherwise("what holds 99 % of them")},
       {"--color", kRender,
        of_picture(p, "COLOR", read_color,
-                  {"element", "distance", "angle", "kind", "mean-curvature", "gaussian-curvature",
-                   "white", "black", "grey"}),
+                  {"element", "distance", "angle", "b-factor", "kind", "mean-curvature",
+                   "gaussian-curvature", "white", "black", "grey"}),
        "element, distance (of triangle centres to the exact surface), angle (smallest of each "
-       "triangle), kind, mean-curvature, gaussian-curvature (of the patches of --surface ses), "
+       "triangle), b-factor (of the atoms of the file), kind, mean-curvature, "
+       "gaussian-curvature (of the patches of --surface ses), "
        "or one colour: white, black, grey, #rrggbb",
        otherwise("element; of a MESH: grey")}};
 }
@@ -425,12 +426,16 @@ std::vector<Option> output_options(Draft& d) {
       {"--depth", kExact, one(o.output.depth, text("FILE"), Use::writes),
        "CSV of how deep atoms, or residues in the mean (--group), lie below the accessible, the "
        "excluded and its exterior surface, Å; - is standard output"},
-      {"--write", kExact, one(o.output.atoms, text("FILE"), Use::writes),
+      {"--write", kExact | kInterface, one(o.output.atoms, text("FILE"), Use::writes),
        "the atoms in use with the figure that --b-factor names: .pdb .ent .cif .mmcif"},
       {"--b-factor", kExact, one(o.output.b_factor, named<AtomFigure>()),
        "of --write: exact area or volume of the atom, its depth below the surface, or the exposure "
        "of its residue (100 times the relative area)",
        by_default("area")},
+      {"--b-factor", kInterface, one(o.output.interface_figure, named<InterfaceFigure>()),
+       "of --write: what the atom loses in all interfaces, the area of its contacts, or its area "
+       "with its own side alone",
+       by_default("buried")},
       {"--rsa", kExact, one(o.output.residues, text("FILE"), Use::writes),
        "areas of residues and their shares of extended ones, as NACCESS prints them; - is standard "
        "output"},

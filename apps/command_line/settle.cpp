@@ -75,7 +75,7 @@ void settle_input(Draft& d) {
 
 // Whether triangles are coloured by a number.
 bool shows_values(std::optional<ColorBy> color) {
-  return color == ColorBy::distance || color == ColorBy::angle ||
+  return color == ColorBy::distance || color == ColorBy::angle || color == ColorBy::b_factor ||
          color == ColorBy::mean_curvature || color == ColorBy::gaussian_curvature;
 }
 
@@ -97,7 +97,7 @@ void settle_render(const Draft& d) {
             : excluded ? ", mean-curvature or gaussian-curvature"
                        : " or distance");
   if (!of_mesh) return;
-  refuse_if(color == ColorBy::element || color == ColorBy::distance,
+  refuse_if(color == ColorBy::element || color == ColorBy::distance || color == ColorBy::b_factor,
             "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
             "colours it by distance");
   for (const auto& [name, group] : d.given) {
@@ -169,6 +169,10 @@ void settle_excluded(const Draft& d) {
 void settle_interface(Draft& d) {
   if (is_of_interfaces(d))
     d.options.distances.distances = is_given(d, "--samples") ? Switch::on : Switch::off;
+  const bool rolls = d.options.exact.surface == ExactSurface::excluded || is_given(d, "--samples");
+  refuse_if(is_of_interfaces(d) && rolls && !(d.options.exact.probe > 0),
+            "--probe {}: {} needs one above 0", d.options.exact.probe,
+            first_given(d, {"--samples", "--surface"}));
   if (d.verb == kInterface && d.read.groups.size() == 1)
     refuse("SIDE {}: an interface has two sides; name another one, or none for all chains",
            d.read.groups.front());

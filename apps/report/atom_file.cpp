@@ -51,6 +51,10 @@ std::string cif_value(std::string_view text) {
   return fmt::format("{}{}{}", quote, text, quote);
 }
 
+std::string cif_figure(double figure, const char* format) {
+  return std::isnan(figure) ? "?" : fmt::format(fmt::runtime(format), figure);
+}
+
 bool has_models(const Molecule& molecule) {
   const auto& atoms = molecule.atoms;
   return std::ranges::any_of(atoms,
@@ -59,45 +63,46 @@ bool has_models(const Molecule& molecule) {
 
 }  // namespace
 
-std::string atoms_as_pdb(const Molecule& molecule, const AtomColumn& figures) {
+std::string atoms_as_pdb(const Molecule& molecule, const AtomColumns& figures) {
   constexpr std::uint64_t kSerials = 100'000;  // five columns
   const bool models = has_models(molecule);
   std::string text =
-      fmt::format("REMARK 999 B FACTORS ARE {} BY VDWMESH\n", upper_case(figures.name));
+      fmt::format("REMARK 999 B FACTORS ARE {} BY VDWMESH\n", upper_case(figures.front().name));
   for (std::size_t i = 0; i < molecule.atoms.size(); ++i) {
     const Atom& atom = molecule.atoms[i];
     if (models && (i == 0 || atom.model != molecule.atoms[i - 1].model))
       text += fmt::format("{}MODEL     {:4}\n", i == 0 ? "" : "ENDMDL\n", atom.model);
-    const double figure = figures.values[i];
+    const double figure = figures.front().values[i];
     text += pdb_record(atom, (i + 1) % kSerials, std::isnan(figure) ? -1 : figure);
   }
   return text + (models ? "ENDMDL\nEND\n" : "END\n");
 }
 
-std::string atoms_as_cif(const Molecule& molecule, const AtomColumn& figures) {
-  std::string text = fmt::format(
+std::string atoms_as_cif(const Molecule& molecule, const AtomColumns& figures) {
+  std::string text =
       "data_vdwmesh\nloop_\n_atom_site.group_PDB\n_atom_site.id\n_atom_site.type_symbol\n"
       "_atom_site.label_atom_id\n_atom_site.label_alt_id\n_atom_site.label_comp_id\n"
       "_atom_site.label_asym_id\n_atom_site.label_entity_id\n_atom_site.label_seq_id\n"
       "_atom_site.pdbx_PDB_ins_code\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n"
       "_atom_site.occupancy\n_atom_site.B_iso_or_equiv\n_atom_site.auth_seq_id\n"
       "_atom_site.auth_comp_id\n_atom_site.auth_asym_id\n_atom_site.auth_atom_id\n"
-      "_atom_site.pdbx_PDB_model_num\n_atom_site.vdwmesh_{}\n",
-      figures.name);
+      "_atom_site.pdbx_PDB_model_num\n";
+  for (const AtomColumn& column : figures)
+    text += fmt::format("_atom_site.vdwmesh_{}\n", column.name);
   for (std::size_t i = 0; i < molecule.atoms.size(); ++i) {
     const Atom& atom = molecule.atoms[i];
     const Vec3d& p = atom.position;
     const auto [number, code] = number_and_code(atom.residue_number);
     const std::string name = cif_value(atom.name), residue = cif_value(atom.residue_name),
                       chain = cif_value(atom.chain), seq = cif_value(number);
-    const double figure = figures.values[i];
-    const bool known = !std::isnan(figure);
     fmt::format_to(std::back_inserter(text),
-                   "{} {} {} {} . {} {} ? {} {} {:.3f} {:.3f} {:.3f} 1.00 {} {} {} {} {} {} {}\n",
+                   "{} {} {} {} . {} {} ? {} {} {:.3f} {:.3f} {:.3f} 1.00 {} {} {} {} {} {}",
                    atom.hetero ? "HETATM" : "ATOM", i + 1, cif_value(atom.element), name, residue,
                    chain, seq, code == ' ' ? "?" : cif_value({&code, 1}), p.x, p.y, p.z,
-                   known ? fmt::format("{:.2f}", figure) : "?", seq, residue, chain, name,
-                   atom.model, known ? fmt::format("{}", figure) : "?");
+                   cif_figure(figures.front().values[i], "{:.2f}"), seq, residue, chain, name,
+                   atom.model);
+    for (const AtomColumn& column : figures) text += ' ' + cif_figure(column.values[i], "{}");
+    text += '\n';
   }
   return text;
 }

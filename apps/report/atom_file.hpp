@@ -25,20 +25,23 @@ inline std::pair<std::string_view, char> number_and_code(std::string_view text) 
   return {text.substr(0, text.size() - 1), text.back()};
 }
 
-// What a file of atoms has in place of B factors: one figure for each atom, NaN where it has none.
+// One figure for each atom, NaN where it has none.
 struct AtomColumn {
   std::string_view name;  // "area", as the column vdwmesh_area of mmCIF
   std::vector<double> values;
 };
+// At least one; the first is in place of B factors.
+using AtomColumns = std::vector<AtomColumn>;
 
-// Records of PDB, with two decimals, and -1.00 for an atom without a figure. Throws InvalidInput
-// where the columns of PDB have no room for a name, a number, a coordinate or a figure.
-std::string atoms_as_pdb(const Molecule& molecule, const AtomColumn& figures);
-// mmCIF's _atom_site. The figure is in B_iso_or_equiv, and again in a column of its own name.
-std::string atoms_as_cif(const Molecule& molecule, const AtomColumn& figures);
+// Records of PDB, with the first figures alone: two decimals, and -1.00 for an atom without one.
+// Throws InvalidInput where the columns of PDB have no room for a name, a number, a coordinate or a
+// figure.
+std::string atoms_as_pdb(const Molecule& molecule, const AtomColumns& figures);
+// mmCIF's _atom_site. The first figure is in B_iso_or_equiv, and each in a column of its own name.
+std::string atoms_as_cif(const Molecule& molecule, const AtomColumns& figures);
 
 // Which of the two a name asks for by its extension (.pdb .ent .cif .mmcif); null for others.
-using AtomWriter = std::string (*)(const Molecule&, const AtomColumn&);
+using AtomWriter = std::string (*)(const Molecule&, const AtomColumns&);
 AtomWriter find_atom_writer(const std::filesystem::path& path);
 
 }  // namespace vdwmesh::apps

@@ -16,7 +16,6 @@
 #include "cuda/backend.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "measures/union_gradients.hpp"
-#include "report/atom_file.hpp"
 #include "report/atom_names.hpp"
 #include "report/csv.hpp"
 #include "report/output.hpp"
@@ -173,17 +172,9 @@ void check_references(const OutputOptions& output, const Molecule& molecule, dou
 void write_atoms(const OutputOptions& output, const Molecule& molecule, double probe,
                  VerbSession& session) {
   if (output.atoms.empty()) return;
-  const AtomColumn figures{name_of(output.b_factor),
-                           atom_figures(output, molecule, probe, session)};
-  const auto without =
-      std::ranges::count_if(figures.values, [](double x) { return std::isnan(x); });
-  if (without > 0) {
-    session.report.note("{} atoms have no {}: their B factors are -1.00 in PDB, ? in mmCIF",
-                        without, figures.name);
-  }
-  session.end_progress();
-  write_output(output.atoms, find_atom_writer(output.atoms)(molecule, figures));
-  session.end_stage(&Timing::write);
+  const std::string_view name = name_of(output.b_factor);
+  write_atom_file(output.atoms, molecule, {{name, atom_figures(output, molecule, probe, session)}},
+                  session);
 }
 
 void write_depths(const OutputOptions& output, const Molecule& molecule, double probe,

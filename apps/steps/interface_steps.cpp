@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "command_line/names.hpp"
 #include "core/sum.hpp"
 #include "request/refuse.hpp"
 
@@ -238,6 +239,20 @@ Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
   if (found.pairs.empty()) session.report.notes.emplace_back("no two chains touch");
   session.end_stage(&Timing::exact);
   return found;
+}
+
+AtomColumns interface_figures(const Interfaces& found, InterfaceFigure first) {
+  std::vector<double> buried(found.alone.size()), contact(found.alone.size());
+  for (const Interface& pair : found.pairs) {
+    for (const InterfaceAtom& atom : pair.atoms)
+      buried[atom.sphere] += std::max(atom.buried(), 0.0);
+    for (const auto& [a, b, area] : pair.contacts) contact[a] += area, contact[b] += area;
+  }
+  AtomColumns columns{{name_of(InterfaceFigure::buried), std::move(buried)},
+                      {name_of(InterfaceFigure::contact), std::move(contact)},
+                      {name_of(InterfaceFigure::area), found.alone}};
+  std::swap(columns.front(), columns[static_cast<std::size_t>(first)]);
+  return columns;
 }
 
 }  // namespace vdwmesh::apps

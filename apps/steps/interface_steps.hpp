@@ -41,4 +41,8 @@ Interfaces measure_interfaces(const Structure& structure, const Sides& sides,
                               const InputOptions& input, const InterfaceChoice& choice,
                               Session& session);
 
+// The figures of atoms, `first` before the others. An atom in several interfaces has the sums over
+// them; one on no side buries nothing, and has no area of a side alone.
+AtomColumns interface_figures(const Interfaces& found, InterfaceFigure first);
+
 }  // namespace vdwmesh::apps

@@ -12,6 +12,7 @@
 #include "mesh/element_color.hpp"
 #include "render/crease_split.hpp"
 #include "report/output.hpp"
+#include "request/refuse.hpp"
 #include "steps/exact_steps.hpp"
 #include "steps/stopwatch.hpp"
 
@@ -112,6 +113,24 @@ Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
   paint.colors.resize(mesh.vertex_count());
   std::ranges::transform(mesh.vertex_spheres.atoms, paint.colors.begin(),
                          [&](SphereId atom) { return atoms.at(atom); });
+  return paint;
+}
+
+// From 0 on, unless some are negative.
+Paint paint_by_b_factor(const IndexedMesh& mesh, const Molecule& molecule,
+                        const PictureOptions& options) {
+  constexpr std::string_view kWith[] = {"pdb", "mmcif", "bcif"};
+  refuse_if(std::ranges::count(kWith, molecule.format) == 0,
+            "--color b-factor: {} is a file of kind {}, which has none; name a PDB or mmCIF file",
+            molecule.path, molecule.format);
+  VertexValues paint;
+  paint.values.resize(mesh.vertex_count());
+  std::ranges::transform(mesh.vertex_spheres.atoms, paint.values.begin(),
+                         [&](SphereId atom) { return molecule.atoms.at(atom).b_factor; });
+  const double bound = symmetric_bound(paint.values, kInside);
+  const bool has_negative = std::ranges::any_of(paint.values, [](float b) { return b < 0; });
+  paint.scale = scale_for(paint.values, has_negative ? ColorMap::cool_warm : ColorMap::viridis,
+                          {has_negative ? -bound : 0, bound}, "B factor of each atom", options);
   return paint;
 }
 

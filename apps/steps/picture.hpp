@@ -17,6 +17,9 @@ using Painter = std::function<Paint(const IndexedMesh&)>;
 
 // CPK colours of the vertices' atoms.
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
+// The B factor of each vertex's atom. Throws InvalidInput where the format has none.
+Paint paint_by_b_factor(const IndexedMesh& mesh, const Molecule& molecule,
+                        const PictureOptions& options);
 // Signed distance of every triangle's centre to the boundary of the union: where a mesh has its
 // vertices on the surface, its error is between them.
 Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,

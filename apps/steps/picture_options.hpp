@@ -13,6 +13,7 @@ namespace vdwmesh::apps {
 // The kind of patch and the curvatures are those of --surface ses.
 enum class ColorBy {
   element,
+  b_factor,
   distance,
   angle,
   kind,

@@ -13,6 +13,7 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
+#include "report/output.hpp"
 #include "request/refuse.hpp"
 #include "steps/grid_checks.hpp"
 #include "steps/stopwatch.hpp"
@@ -380,6 +381,19 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
   if (wanted == SelfIntersections::skip) return;
   self_intersections_untimed(mesh, session);
   session.end_stage(&Timing::self_intersections);
+}
+
+void write_atom_file(const std::string& path, const Molecule& molecule, const AtomColumns& figures,
+                     VerbSession& session) {
+  const auto& [name, values] = figures.front();
+  const auto without = std::ranges::count_if(values, [](double x) { return std::isnan(x); });
+  if (without > 0) {
+    session.report.note("{} atoms have no {}: their B factors are -1.00 in PDB, ? in mmCIF",
+                        without, name);
+  }
+  session.end_progress();
+  write_output(path, find_atom_writer(path)(molecule, figures));
+  session.end_stage(&Timing::write);
 }
 
 std::vector<RgbColor> element_colors(const Molecule& molecule) {

@@ -13,6 +13,7 @@
 #include "mesh/surface_mesh.hpp"
 #include "options.hpp"
 #include "refine/refiner.hpp"
+#include "report/atom_file.hpp"
 #include "report/report.hpp"
 #include "spheres/sphere_set.hpp"
 #include "steps/session.hpp"
@@ -105,6 +106,11 @@ std::uint64_t most_checked_with_cgal(CgalCheck wanted);
 // CGAL's measures of the OpenMesh mesh. Where the mesh is too large for the choice, or has no
 // half-edge structure, the report says so and they stay empty.
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session);
+
+// Writes the atoms with their figures to the file that --write names, and notes how many have no
+// first one.
+void write_atom_file(const std::string& path, const Molecule& molecule, const AtomColumns& figures,
+                     VerbSession& session);
 
 // The CPK colour of each atom.
 std::vector<RgbColor> element_colors(const Molecule& molecule);

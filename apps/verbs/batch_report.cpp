@@ -78,8 +78,10 @@ void interfaces_into(InterfaceRow& row, const NamedStructure& source, const Opti
 
 InterfaceRow make_interface_row(const NamedStructure& structure, const Options& options,
                                 const BatchOptions& one) {
-  return row_of<InterfaceRow>(
-      structure, [&](InterfaceRow& row) { interfaces_into(row, structure, options, one); });
+  auto row = row_of<InterfaceRow>(
+      structure, [&](InterfaceRow& made) { interfaces_into(made, structure, options, one); });
+  row.fit = options.distances.distances;
+  return row;
 }
 
 ReportRow make_report_row(const NamedStructure& structure, const Options& options,

@@ -18,6 +18,7 @@ struct ReportRow : BatchRow {
 // The interfaces between the chains of a structure that touch.
 struct InterfaceRow : BatchRow {
   std::optional<std::vector<InterfaceReport>> interfaces;
+  Switch fit = Switch::off;  // whether shape complementarity was asked for
 };
 
 // Reads the structure, and makes and compares its mesh, on the CPU. Of `one`, the options of

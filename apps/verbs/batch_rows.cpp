@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 
@@ -50,6 +51,23 @@ void describe_figures(A& a, const ReportRow& row) {
   a("mesh", row.mesh), a("comparison", row.comparison);
 }
 
+// How the sides fit where they bury most, and the contact surface of all. Rows have it where it was
+// asked for.
+template <class A>
+void describe_fit(A& a, const InterfaceRow& row) {
+  std::optional<double> sc, error, surface;
+  if (row.interfaces && !row.interfaces->empty()) {
+    const auto& most = std::ranges::max(*row.interfaces, {}, &InterfaceReport::buried_area);
+    sc = most.complementarity->sc, error = most.complementarity->error;
+  }
+  if (row.interfaces) {
+    surface = 0;
+    for (const InterfaceReport& i : *row.interfaces)
+      *surface += i.complementarity->contact_a + i.complementarity->contact_b;
+  }
+  a("sc", sc), a("sc_error", error), a("contact_surface", surface);
+}
+
 // A table has their number and sums.
 template <class A>
 void describe_figures(A& a, const InterfaceRow& row) {
@@ -64,6 +82,7 @@ void describe_figures(A& a, const InterfaceRow& row) {
   describe_figures(a, static_cast<const BatchRow&>(row));
   a("interface_count", count), a("buried_area", buried), a("contact_area", contact);
   a("interfaces", row.interfaces);
+  if (row.fit == Switch::on) describe_fit(a, row);
 }
 
 // A table has their number and sums over them.
@@ -146,7 +165,11 @@ std::vector<std::string> radius_files(const std::string& radii) {
 std::string RowWriter::header() const {
   if (format_ != RowFormat::csv) return {};
   if (verb_ == BatchVerb::report) return csv_row(ReportRow{}, "").names() + '\n';
-  if (verb_ == BatchVerb::interface) return csv_row(InterfaceRow{}, "").names() + '\n';
+  if (verb_ == BatchVerb::interface) {
+    InterfaceRow row;
+    row.fit = fit_;
+    return csv_row(row, "").names() + '\n';
+  }
   if (verb_ == BatchVerb::pockets) return csv_row(PocketsRow{}, "").names() + '\n';
   return csv_row(BatchRow{}, "").names() + '\n';
 }

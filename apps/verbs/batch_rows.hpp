@@ -15,9 +15,10 @@ namespace vdwmesh::apps {
 // Writes rows of one kind. Each ends with a line break and holds no other.
 class RowWriter {
  public:
-  // `settings` says which options made the rows; it is part of each.
-  RowWriter(const BatchChoice& choice, std::string settings)
-      : verb_(choice.verb), format_(choice.rows), settings_(std::move(settings)) {}
+  // `settings` says which options made the rows; it is part of each. `fit`: whether rows of
+  // interfaces have shape complementarity.
+  RowWriter(const BatchChoice& choice, Switch fit, std::string settings)
+      : verb_(choice.verb), format_(choice.rows), fit_(fit), settings_(std::move(settings)) {}
 
   // The line before the first row; empty if there is none.
   std::string header() const;
@@ -34,6 +35,7 @@ class RowWriter {
  private:
   BatchVerb verb_;
   RowFormat format_;
+  Switch fit_;
   std::string settings_;
 };
 

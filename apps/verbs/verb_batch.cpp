@@ -239,7 +239,7 @@ void run_batch_verb(const Options& options) {
   Source source(open_structures(inputs, of_source));
   skip(source, part.first);
 
-  const RowWriter writer(choice, settings_key(options));
+  const RowWriter writer(choice, options.distances.distances, settings_key(options));
   const std::string header = choice.shard.number == 1 ? writer.header() : "";
   RowFile file(choice.output);
   KeptRows kept;

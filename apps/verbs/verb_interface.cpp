@@ -30,6 +30,9 @@ void run_interface(const Options& options) {
                                                          .group = options.output.group}));
     session.end_stage(&Timing::write);
   }
+  if (!options.output.atoms.empty())
+    write_atom_file(options.output.atoms, structure.molecule,
+                    interface_figures(found, options.output.interface_figure), session);
   session.deliver_report(options.output);
 }
 

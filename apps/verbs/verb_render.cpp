@@ -47,6 +47,7 @@ Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const Pictu
   const ColorBy color = picture.color.value_or(ColorBy::element);
   if (color == ColorBy::element) return paint_by_element(mesh, structure.molecule);
   if (color == ColorBy::angle) return paint_by_angle(mesh, picture);
+  if (color == ColorBy::b_factor) return paint_by_b_factor(mesh, structure.molecule, picture);
   if (color == ColorBy::plain) return picture.plain;
   return paint_by_distance(mesh, structure.spheres, picture, session);
 }

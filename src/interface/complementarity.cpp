@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kPlacements = 4;  // of one density
 
 // Width of cells in which points are sought, Å.
-constexpr double kCell = 0.6;
+constexpr double kCell = 0.9;
 
 using Points = std::vector<Vec3d>;
 
@@ -244,7 +244,8 @@ void compare(SampledSide& own, const SampledSide& other, const ComplementarityOp
       auto near = buried.nearest(point, most, among_buried);
       if (near) sample.gap_weight = weight_at(near->place, sample.at);
       if (!sample.is_fitted()) continue;
-      if (near && !near->is_fitted) near = fitted.nearest(point, most, among_fitted);
+      if (near && !near->is_fitted && !other.is_fitted(near->place.point))
+        near = fitted.nearest(point, most, among_fitted);
       if (!near) continue;
       sample.fit = -dot(sample.at.normal, near->place.normal) * weight_at(near->place, sample.at);
     }

@@ -85,17 +85,17 @@ class PointGrid {
     if (points_.empty()) return false;
     constexpr double kSlack = 1 + 1e-9;
     const double widest = std::sqrt(squared) * kSlack;
-    const CellRun y = cells_along(1, place.y - widest, place.y + widest),
-                  z = cells_along(2, place.z - widest, place.z + widest);
+    const CellRun z = cells_along(2, place.z - widest, place.z + widest);
     for (std::int32_t k = z.first; k <= z.last; ++k) {
-      const double across = beside(2, k, place.z);
+      const double across = beside(2, k, place.z), left = squared * kSlack - across * across;
+      if (left < 0) continue;
+      const double wide = std::sqrt(left) * kSlack;
+      const CellRun x = cells_along(0, place.x - wide, place.x + wide),
+                    y = cells_along(1, place.y - wide, place.y + wide);
+      if (x.first > x.last) continue;
       for (std::int32_t j = y.first; j <= y.last; ++j) {
         const double up = beside(1, j, place.y);
-        const double left = squared * kSlack - across * across - up * up;
-        if (left < 0) continue;
-        const double wide = std::sqrt(left) * kSlack;
-        const CellRun x = cells_along(0, place.x - wide, place.x + wide);
-        if (x.first > x.last) continue;
+        if (up * up > squared * kSlack - across * across) continue;
         const std::size_t first = row(j, k);
         const std::uint32_t end = begin_[first + static_cast<std::size_t>(x.last) + 1];
         for (std::uint32_t i = begin_[first + static_cast<std::size_t>(x.first)]; i < end; ++i)

@@ -30,6 +30,7 @@ struct Atom {
   std::int32_t group = kNoGroup;  // the last one of ReadOptions::groups that contains the atom
   Polarity polarity = Polarity::unknown;  // by the radius set; sets by element have none
   std::uint32_t residue = 0;  // tells the residues of the file apart, which may have equal numbers
+  float b_factor = 0;         // as in the file; 20 where an atom or the format has none
   ShortText segment;          // id of a segment (PDB, columns 73-76), empty in other formats
 };
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 import math
 import os
 import subprocess
@@ -80,6 +81,41 @@ class Options(BenchTest):
             self.assertEqual(set(row["seconds"].values()), {None})
         text = self.run_bench("thesis", "--structures", self.folder).stdout
         self.assertRegex(text, r"Missing, no structure file: 110D, 1BIJ, .*, 4PTI\.")
+
+
+class Complexes(ProgramTest):
+    def test_folders_of_complexes_keep_chains(self):
+        """bench/make_structures.py --complexes: the whole residues nearest to one of them, each of its chain, turned as one."""
+        record = "ATOM  {0:5} {1:>4} ALA {2}{3:4}    {4:8.3f}{5:8.3f}{6:8.3f}  1.00  0.00           C\n"
+        text, places, serial = "", {}, 0
+        for chain, number in itertools.product("AB", range(1, 151)):
+            for atom in range(4):
+                serial += 1
+                place = (number % 7 * 4 + 0.3 * atom, number // 7 * 4, 9 * "AB".index(chain) + 0.2 * number)
+                places[chain, number, atom] = place
+                text += record.format(serial, f"C{atom}", chain, number, *place)
+        maker = SOURCE_DIR / "bench" / "make_structures.py"
+        folder = self.folder / "made"
+        command = [sys.executable, maker, "--complexes", "80", folder, "6", self.file("a.pdb", text + "END\n")]
+        subprocess.run(command, check=True)
+        self.assertEqual(len(list(folder.iterdir())), 6)
+        chains = set()
+        for path in folder.iterdir():
+            lines = path.read_text().splitlines()[:-1]
+            keys = [(line[21], int(line[22:26]), int(line[15])) for line in lines]
+            self.assertEqual([line[:30] for line in lines], [line[:30] for line in text.splitlines() if line[:30] in
+                                                             {line[:30] for line in lines}])
+            residues = {key[:2] for key in keys}
+            self.assertEqual((len(residues), len(keys)), (80, 320))
+            chains.add("".join(sorted({chain for chain, _ in residues})))
+            first = {residue: places[*residue, 0] for residue in {key[:2] for key in places}}
+            self.assertTrue(any(residues == set(sorted(first, key=lambda r: math.dist(first[r], centre))[:80])
+                                for centre in first.values()))  # fmt: skip
+            moved = [tuple(float(line[at : at + 8]) for at in (30, 38, 46)) for line in lines]
+            for i, j in ((0, 100), (50, 319), (7, 200)):
+                apart = math.dist(places[keys[i]], places[keys[j]])
+                self.assertAlmostEqual(math.dist(moved[i], moved[j]), apart, delta=2e-3)  # three decimals
+        self.assertIn("AB", chains)
 
 
 class Tables(BenchTest):

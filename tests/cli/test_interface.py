@@ -109,6 +109,25 @@ class Interface(ProgramTest):
             self.assertEqual(row["buried_area"], row["interfaces"][0]["buried_area"])
         self.assertIn("side", rows["c.pdb"]["error"])
 
+    def test_fit_in_rows(self):
+        """Sc of the interface that buries most, and the contact surface of all; where asked for, behind the other figures."""
+        path = need_shared("molecules/special/1F2N.pdb")  # of three interfaces the last one buries most
+        fits = [(pair["buried_area"], pair["complementarity"]) for pair in self.interfaces(path, "--samples", "8")[0]]
+        most = max(fits, key=lambda fit: fit[0])[1]
+        surface = sum(fit["contact_surface_a"] + fit["contact_surface_b"] for _, fit in fits)
+        call = ("batch", path, self.chain_of_atoms(("A", 0), ("A", 4)), "--verb", "interface")
+        row, error = map(parse_json, run(*call, "--samples", "8").stdout.splitlines())
+        for each in (row, error):
+            schema_validator("batch").validate(each)
+        self.assertEqual((row["sc"], row["sc_error"], row["contact_surface"]), (most["sc"], most["error"], surface))
+        self.assertEqual((error["sc"], error["contact_surface"]), (None, None))
+        names, *lines = csv.reader(run(*call, "--samples", "8", "--rows", "csv").stdout.splitlines())
+        without, *_ = csv.reader(run(*call, "--rows", "csv").stdout.splitlines())
+        self.assertEqual(names, [*without[:-2], "sc", "sc_error", "contact_surface", *without[-2:]])
+        self.assertEqual([float(text) for text in lines[0][-5:-2]], [most["sc"], most["error"], surface])
+        self.assertEqual(lines[1][-5:-2], [""] * 3)
+        self.assertNotIn("sc", parse_json(run(*call).stdout.splitlines()[0]))
+
     def test_two_atoms(self):
         """Balls of radius r = 1.7 + 1.4 (Bondi 1964) at a distance d: caps and a disk."""
         r, d = 3.1, 4.0
@@ -160,6 +179,52 @@ class Interface(ProgramTest):
                         losing = sum(float(r["buried_area"]) > 1e-9 for r in mine)
                         self.assertEqual(losing, pair["side_" + own]["residues"])
 
+    def atoms_of(self, name, *arguments):
+        """The figures of atoms in the file that --write makes: those of PDB's B factors, or lists of mmCIF's last columns."""
+        self.run_ok("interface", *arguments, "--write", self.folder / name)
+        lines = [line for line in (self.folder / name).read_text().splitlines() if line.startswith("ATOM ")]
+        return [line[60:66].strip() if name.endswith("pdb") else [line.split()[14], *line.split()[-3:]] for line in lines]
+
+    def test_atoms_as_files(self):
+        """Balls in a row, of which the middle one is in two interfaces: its figures are the sums, of caps and disks."""
+        r, d = 3.1, 4.0
+        path = self.chain_of_atoms(("A", 0), ("B", d), ("C", 2 * d))
+        cap, disk, whole = 2 * math.pi * r * (r - d / 2), math.pi * (r * r - d * d / 4), 4 * math.pi * r * r
+        for figure, value in (("buried", cap), ("contact", disk)):
+            expected = [f"{value:.2f}", f"{2 * value:.2f}", f"{value:.2f}"]
+            self.assertEqual(self.atoms_of("a.pdb", path, "--b-factor", figure), expected)
+            self.assertEqual([b for b, *_ in self.atoms_of("a.cif", path, "--b-factor", figure)], expected)
+        found = self.atoms_of("a.cif", path)
+        text = (self.folder / "a.cif").read_text()
+        names = [line.split("vdwmesh_")[1] for line in text.splitlines() if "vdwmesh_" in line and "_atom" in line]
+        self.assertEqual(names, ["buried", "contact", "area"])
+        for row, times in zip(found, (1, 2, 1), strict=True):
+            for text, value in zip(row[1:], (times * cap, times * disk, whole), strict=True):
+                self.assertAlmostEqual(float(text), value, delta=1e-12 * whole)
+        self.assertEqual(self.atoms_of("a.pdb", path, "--b-factor", "area"), [f"{whole:.2f}"] * 3)
+        # On no side: it neither buries nor loses, and has no area of a side.
+        self.assertEqual(self.atoms_of("a.cif", path, "A", "B")[2], ["0.00", "0", "0", "?"])
+        self.assertEqual(self.atoms_of("a.pdb", path, "A", "B", "--b-factor", "area")[2], "-1.00")
+
+    def test_atoms_as_files_add_up(self):
+        path = need_shared("molecules/thesis/4HHB.pdb")
+        buried, contact = (math.fsum(pair[key] for pair in self.interfaces(path)[0]) for key in ("buried_area", "contact_area"))
+        self.run_ok("interface", path, "--write", self.folder / "a.cif")
+        text = (self.folder / "a.cif").read_text().splitlines()
+        rows = [line.split()[-3:] for line in text if line.startswith(("ATOM ", "HETATM "))]
+        self.assertAlmostEqual(math.fsum(float(row[0]) for row in rows), buried, delta=SAME * len(rows) * buried)
+        self.assertAlmostEqual(math.fsum(float(row[1]) for row in rows), 2 * contact, delta=SAME * len(rows) * buried)
+
+    def test_identical_chains_twice(self):
+        """Equal balls count for the first: the second chain loses all that it has."""
+        path = self.chain_of_atoms(("A", 0), ("A", 50), ("B", 0), ("B", 50))
+        (pair,), report = self.interfaces(path)
+        self.assertEqual((pair["buried_a"], pair["contact_area"]), (0, 0))
+        self.assertAlmostEqual(pair["buried_b"], 8 * math.pi * 3.1**2, delta=1e-12)
+        self.assertEqual(len(report["warnings"]), 2)
+        self.assertIn("2 atoms lie where another one does", report["warnings"][0])
+        self.assertIn("overlap by 3.40 Å", report["warnings"][1])
+
     def test_what_is_refused(self):
         one = self.chain_of_atoms(("A", 0), ("A", 4))
         self.assert_refused(BAD_INPUT, "interface", one, says=["one chain, A"])
@@ -169,6 +234,11 @@ class Interface(ProgramTest):
             self.assert_refused(BAD_INPUT, "interface", two, *sides, says=["share atoms"])
         self.assert_refused(BAD_INPUT, "interface", two, "A", "C")
         self.assert_refused(BAD_INPUT, "interface", two, "--probe", "-2")
+        for more in (("--samples", "8"), ("--surface", "ses")):
+            self.assert_refused(BAD_INPUT, "interface", two, "--probe", "0", *more, says=["--probe 0", more[0], "above 0"])
+        self.assert_refused(BAD_INPUT, "interface", two, "--b-factor", "contact", says=["add that"])
+        self.assert_refused(BAD_INPUT, "interface", two, "--write", self.folder / "a.xyz", says=[".pdb .ent .cif .mmcif"])
+        self.assert_refused(BAD_INPUT, "interface", two, "--write", self.folder / "a.pdb", "--b-factor", "depth", says=["buried"])
 
     def test_models_are_told_apart(self):
         model = ATOM.format(1, "A", 1, 0) + ATOM.format(2, "B", 2, 4)

@@ -274,6 +274,22 @@ class Meanings(PictureTest):
                 nearest = min(max(abs(a - b) for a, b in zip(end, pixel)) for pixel in seen)
                 self.assertLessEqual(nearest, 4, (name, end))
 
+    def test_b_factors_of_atoms(self):
+        """Three balls side by side: with no B factor, half of the largest and the largest one, from one end of viridis to the
+        other. Light makes colours brighter or darker, so their shares are compared."""
+        record = "HETATM{0:5}  C   LIG A{0:4}    {1:8.3f}   0.000   0.000  1.00{2:6.2f}           C\n"
+        viridis = {0: (68, 1, 84), 40: (33, 145, 140), 80: (253, 231, 37)}  # as published, of 0, 0.5 and 1
+        path = self.file("b.pdb", "".join(record.format(i, 5.0 * i, b) for i, b in enumerate(viridis, 1)) + "END\n")
+        look = ("--view", "-y", "--size", "480x240", "--color", "b-factor")
+        for surface in ("vdw", "ses"):
+            rows = self.picture("render", path, *look, "--surface", surface, "--probe", "0.5" if surface == "ses" else "0")[2]
+            line = rows[90]  # above the bar
+            drawn = [x for x, pixel in enumerate(line) if pixel != (255, 255, 255)]
+            for place, (_, expected) in zip((0.15, 0.5, 0.85), sorted(viridis.items())):
+                seen = linear(line[round(drawn[0] + place * (drawn[-1] - drawn[0]))])
+                shares = [[c / sum(color) for c in color] for color in (seen, linear(expected))]
+                self.assertLess(max(abs(a - b) for a, b in zip(*shares)), 0.05, (surface, expected))
+
     def test_a_wide_range_leaves_small_distances_pale(self):
         """The mesh of a ball that is 0.1 Å too large: white within ±10 Å, warm within ±0.1 Å."""
         atom, larger = self.ball("atom.xyzr", 1), self.ball("larger.xyzr", 1.1)
@@ -332,6 +348,11 @@ class Refusals(PictureTest):
         }.items():
             with self.subTest(options=options):
                 self.refused("--sample", "bpti", "--subdivide", "0", *out, *options, says=(says,))
+
+    def test_b_factors_of_files_without(self):
+        out = ("-o", self.folder / "out.png", "--color", "b-factor")
+        self.refused(self.file("a.xyzr", "0 0 0 2\n"), *out, says=("a.xyzr", "PDB or mmCIF"))
+        self.refused(self.file("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), *out, says=("no atoms",))
 
     def test_a_mesh_is_drawn_as_it_is(self):
         """In capitals too; what says how a structure is read or meshed would have no effect."""

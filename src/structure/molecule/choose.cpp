@@ -316,7 +316,8 @@ class Choice {
         from.position, from.radius, symbols_[static_cast<std::size_t>(from.element)], from.name,
         residue_name_, chain_, residue_number_, from.serial, model_number_, from.hetero,
         from.measured, from.group, from.polarity,
-        residue_numbers_.empty() ? from.residue : residue_numbers_[index_of(site)], segment_);
+        residue_numbers_.empty() ? from.residue : residue_numbers_[index_of(site)], from.b_iso,
+        segment_);
   }
 
   // Makes the texts that the atoms of a residue share.
