@@ -3,15 +3,17 @@
     PYTHONPATH=build/release/python:tests/python python3 bench/openmm_bench.py forces
     PYTHONPATH=build/release/python:tests/python python3 bench/openmm_bench.py speed [--threads N] [--seconds S]
     PYTHONPATH=build/release/python:tests/python python3 bench/openmm_bench.py energy [--picoseconds P] [--step FS]
+        [--seed N] [--whole] [--energies FILE.csv]
 
 `forces` compares forces with differences of the energy; `speed` times evaluations of forces and energy, in turn, beside the
 generalised Born force of OpenMM and its ACE approximation of the area; `energy` runs at constant energy with the force
-and without it, both from 300 K, and prints how the total energies drift. Charges there have a cutoff of 1 nm, which takes
-a tenth of the time.
+and without it, both from the same places and velocities at 300 K, and prints how the total energies drift. Charges there
+have a cutoff of 1 nm, which takes a tenth of the time; --whole leaves them whole.
 """
 
 import argparse
 import copy
+import os
 import time
 
 import numpy as np
@@ -115,36 +117,62 @@ def compare_speed(system, topology, positions, threads, seconds):
               f"{1 / min(all_times):6.1f} steps/s, {len(all_times)} steps")  # fmt: skip
 
 
-def compare_drift(system, topology, positions, threads, picoseconds, step):
-    """Both runs in turn, a picosecond each, so that they see the same load; a line after every fifth one."""
+def with_cut_charges(system):
     for force in system.getForces():
         if isinstance(force, openmm.NonbondedForce):
             force.setNonbondedMethod(openmm.NonbondedForce.CutoffNonPeriodic)
             force.setUseSwitchingFunction(True)
             force.setSwitchingDistance(0.9)
+
+
+def start_at(system, positions, threads, seed):
+    """Minimised, then brought to 300 K by a thermostat over 5 ps, without the force."""
+    integrator = openmm.LangevinMiddleIntegrator(300, 5, 0.001)
+    integrator.setRandomNumberSeed(seed)
+    options = {"Threads": str(threads), "DeterministicForces": "true"}
+    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("CPU"), options)
+    context.setPositions(positions)
+    openmm.LocalEnergyMinimizer.minimize(context, 10, 200)
+    context.setVelocitiesToTemperature(300, seed)
+    integrator.step(5000)
+    return context.getState(getPositions=True, getVelocities=True)
+
+
+def drift_of(energies, freedom):
+    """The slope of a line through the energies (kJ/mol/ps), its error from the means of ten blocks, the scatter about it."""
+    times = 0.1 * np.arange(1, len(energies) + 1)
+    line = np.polyfit(times, energies, 1)
+    rest = energies - np.polyval(line, times)
+    blocks = np.array([block.mean() for block in np.array_split(rest, 10)])
+    middles = np.array([block.mean() for block in np.array_split(times, 10)])
+    error = np.sqrt((blocks**2).sum() / 8 / ((middles - middles.mean()) ** 2).sum())
+    return line[0], error, rest.std(), 1000 * line[0] / freedom / KT
+
+
+def compare_drift(system, topology, positions, asked):
+    """Both runs in turn, 0.1 ps each, so that they see the same load; energies go to a file, if one is named."""
+    if not asked.whole:
+        with_cut_charges(system)
+    start = start_at(system, positions, asked.threads, asked.seed)
     with_area = copy.deepcopy(system)
     with_area.addForce(area_force(topology))
-    runs = {"without": in_context(system, positions, threads, step / 1000),
-            "with": in_context(with_area, positions, threads, step / 1000)}  # fmt: skip
-    for context, integrator in runs.values():
-        openmm.LocalEnergyMinimizer.minimize(context, 10, 200)
-        context.setVelocitiesToTemperature(300, 5)
-        integrator.step(round(1000 / step))  # until kinetic and potential energy have mixed
-    energies = {name: [] for name in runs}
-    freedom, chunk = 3 * system.getNumParticles() - 3, round(100 / step)
-    for picosecond in range(1, picoseconds + 1):
-        for name, (context, integrator) in runs.items():
-            for _ in range(10):
-                integrator.step(chunk)
-                energies[name].append(total_energy(context))
-        if picosecond % 5 and picosecond != picoseconds:
-            continue
-        for name, found in energies.items():
-            times = 0.1 * np.arange(1, len(found) + 1)
-            slope, _ = np.polyfit(times, found, 1)
-            rest = np.std(found - np.polyval(np.polyfit(times, found, 1), times))
-            print(f"{picosecond} ps, {name}: drift {slope:.4f} kJ/mol/ps, {1000 * slope / freedom / KT:.5f} kT/ns a degree of "
-                  f"freedom, scatter about it {rest:.3f} kJ/mol of {np.mean(found):.1f}", flush=True)  # fmt: skip
+    runs = {name: in_context(one, positions, asked.threads, asked.step / 1000)
+            for name, one in (("without", system), ("with", with_area))}  # fmt: skip
+    for context, _ in runs.values():
+        context.setPositions(start.getPositions())
+        context.setVelocities(start.getVelocities())
+    rows, freedom = [], 3 * system.getNumParticles() - 3
+    with open(asked.energies or os.devnull, "w", encoding="ascii") as file:
+        print("ps," + ",".join(runs), file=file)
+        for tenth in range(1, 10 * asked.picoseconds + 1):
+            for _, integrator in runs.values():
+                integrator.step(round(100 / asked.step))
+            rows.append([total_energy(context) for context, _ in runs.values()])
+            print(f"{tenth / 10}," + ",".join(f"{energy:.6f}" for energy in rows[-1]), file=file, flush=True)
+    for name, energies in zip(runs, np.transpose(rows)):
+        slope, error, scatter, per_freedom = drift_of(energies, freedom)
+        print(f"seed {asked.seed}, {asked.picoseconds} ps, {name}: drift {slope:.4f} +- {error:.4f} kJ/mol/ps, {per_freedom:.5f} kT/ns "
+              f"a degree of freedom, scatter about it {scatter:.3f} kJ/mol of {energies.mean():.1f}", flush=True)  # fmt: skip
 
 
 def main():
@@ -154,6 +182,9 @@ def main():
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--picoseconds", type=int, default=100)
     parser.add_argument("--step", type=float, default=1.0, help="femtoseconds")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--whole", action="store_true", help="charges of the run at constant energy have no cutoff")
+    parser.add_argument("--energies", metavar="FILE.csv", help="write the total energies of both runs, every 0.1 ps")
     asked = parser.parse_args()
     modeller, system = ubiquitin()
     given = system, modeller.topology, modeller.positions, asked.threads
@@ -162,7 +193,7 @@ def main():
     elif asked.what == "speed":
         compare_speed(*given, asked.seconds)
     else:
-        compare_drift(*given, asked.picoseconds, asked.step)
+        compare_drift(system, modeller.topology, modeller.positions, asked)
 
 
 if __name__ == "__main__":
