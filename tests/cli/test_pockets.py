@@ -1,14 +1,16 @@
 """vdwmesh pockets: its table beside another program's, its JSON, and refusals."""
 
+import collections
 import csv
 import math
+import re
 from xml.etree import ElementTree
 
 import program
 from program import BAD_INPUT, DONE, UBIQUITIN, ProgramTest, need_shared, parse_json, run, schema_validator
 
 TWELVE_DIGITS = 1e-9  # the other program's table has twelve digits, its largest figure is 4296
-LISTS = {"lining_areas", "mouth_table"}
+LISTS = {"lining_areas", "lining_residues", "mouth_table"}
 
 
 class Pockets(ProgramTest):
@@ -50,6 +52,14 @@ class Pockets(ProgramTest):
             self.assertEqual(len(row["lining"].split()), len(pocket["lining_areas"]))
             self.assert_near(math.fsum(pocket["lining_areas"]), pocket["area"], 1e-10)
             self.assertEqual(len(pocket["mouth_table"]), int(row["mouths"]))
+            residues = collections.defaultdict(float)
+            for atom, area in zip(row["lining"].split(), pocket["lining_areas"], strict=True):
+                residues[atom.rpartition("/")[0]] += area
+            found = [(re.sub("/[A-Z]+ ", "/", r["residue"]), r["area"]) for r in pocket["lining_residues"]]
+            self.assertEqual(found, sorted(found, key=lambda pair: -pair[1]))
+            self.assertEqual({name for name, _ in found}, set(residues))
+            for name, area in found:
+                self.assert_near(area, residues[name], 1e-12)
             self.assert_near(float(row["volume"]), pocket["volume"], 0)
 
     def test_voids_are_those_of_exact(self):
