@@ -410,8 +410,8 @@ std::vector<Option> output_options(Draft& d) {
        "rows of --per-atom; of residues with the relative areas of radius sets such as protor",
        by_default("atom")},
       {"-o,--output", kPockets, one(o.output.spheres, text("FILE"), Use::writes),
-       "table of the pockets: .csv, - is standard output; or their spheres for viewers: .pdb .pml "
-       "(PyMOL) .bild (ChimeraX)"},
+       "table: .csv, - is standard output; or spheres for viewers: .pdb .pml (PyMOL) .bild "
+       "(ChimeraX) .mvsj (Mol*); of places and ways also a plot: .svg"},
       {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the table"},
       {"--scan", kPockets, probe_range(o.pocket_query.scan),
        "the places for probes of LO to HI Å, and at which radii they join, in place of the pockets",

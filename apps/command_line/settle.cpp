@@ -15,6 +15,7 @@
 #include "render/renderer.hpp"
 #include "report/atom_file.hpp"
 #include "report/pockets/pocket_spheres.hpp"
+#include "report/pockets/scan_plot.hpp"
 #include "request/memory_limit.hpp"
 #include "request/read_request.hpp"
 #include "request/refuse.hpp"
@@ -178,20 +179,26 @@ void settle_interface(Draft& d) {
            d.read.groups.front());
 }
 
-// -o names a table unless its extension is one of spheres.
+// -o names a table, unless its extension is one of spheres or of plots.
 void settle_pockets(Draft& d) {
   OutputOptions& o = d.options.output;
-  const bool of_spheres = find_sphere_format(o.spheres).has_value();
+  const bool of_spheres = find_sphere_format(o.spheres).has_value(), of_plot = is_plot(o.spheres);
   const std::string question = first_given(d, {"--scan", "--shell", "--from"});
   refuse_if(!question.empty() && is_given(d, "--sums"), "--sums: is of pockets; leave out {}",
             question);
-  refuse_if(!question.empty() && of_spheres, "-o {}: spheres are those of pockets; leave out {}",
-            o.spheres, question);
-  if (of_spheres) {
-    refuse_if(is_given(d, "--sums"), "-o {}: spheres are those of exact pockets; leave out --sums",
-              o.spheres);
-    return;
-  }
+  refuse_if(of_plot && (question.empty() || is_given(d, "--shell")),
+            "-o {}: plots are of --scan and --from; add one of them", o.spheres);
+  refuse_if(of_spheres && is_given(d, "--shell"),
+            "-o {}: a shell has no spheres; leave out --shell", o.spheres);
+  refuse_if(of_spheres && is_given(d, "--sums"),
+            "-o {}: spheres are those of exact pockets; leave out --sums", o.spheres);
+  if (of_spheres || of_plot) return;
+  const std::string extension = lower_case(std::filesystem::path(o.spheres).extension().string());
+  refuse_if(
+      !extension.empty() && extension != ".csv",
+      "-o {}: writes .csv, spheres as .pdb .pml .bild .mvsj, or a plot as .svg; --csv names a "
+      "table as you like",
+      o.spheres);
   refuse_if(!o.spheres.empty() && !o.csv.empty(), "--csv: -o names a table too; leave out one");
   if (!o.spheres.empty()) o.csv = std::exchange(o.spheres, "");
 }

@@ -14,6 +14,7 @@
 #include "report/atom_names.hpp"
 #include "report/output.hpp"
 #include "report/pockets/pocket_spheres.hpp"
+#include "report/pockets/scan_plot.hpp"
 #include "request/refuse.hpp"
 #include "steps/exact_steps.hpp"
 #include "steps/steps.hpp"
@@ -47,6 +48,7 @@ std::string run_scan(const Options& options, const Molecule& molecule, VerbSessi
 std::string run_shell(const Options& options, const Molecule& molecule, VerbSession& session) {
   const SphereSet atoms = to_spheres(molecule, 0);
   const double small = options.inputs.front().probe, large = *options.pocket_query.shell;
+  refuse_if(large <= small, "--shell {}: is the larger probe; --probe has {} Å", large, small);
   const auto measures = [&](double probe) {
     return excluded_measures(
         atoms, {.probe = probe, .shells = false, .exterior = true, .monitor = session.monitor});
@@ -111,6 +113,17 @@ std::string run_way(const Options& options, const Molecule& molecule, VerbSessio
   return way_csv(*session.report.way);
 }
 
+// Spheres, or a plot, of what was asked for.
+void write_for_viewers(const std::string& path, const Report& report) {
+  if (is_plot(path)) write_file(path, report.scan ? plot_of(*report.scan) : plot_of(*report.way));
+  const auto format = find_sphere_format(path);
+  if (!format) return;
+  const auto groups = report.scan  ? spheres_of(*report.scan)
+                      : report.way ? spheres_of(*report.way)
+                                   : spheres_of(*report.pockets);
+  write_file(path, sphere_file(groups, *format));
+}
+
 }  // namespace
 
 void run_pockets(const Options& options) {
@@ -129,9 +142,7 @@ void run_pockets(const Options& options) {
   session.end_stage(&Timing::exact);
   session.end_progress();
   write_output(options.output.csv, table);
-  const std::string& spheres_path = options.output.spheres;
-  if (const auto format = find_sphere_format(spheres_path))
-    write_file(spheres_path, pocket_spheres(*session.report.pockets, *format));
+  write_for_viewers(options.output.spheres, session.report);
   session.end_stage(&Timing::write);
   session.deliver_report(options.output);
 }

@@ -231,8 +231,8 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
 // common_points_wide() adds one value to all squared radii: it moves the points, not the centre.
 template <class T>
 struct CommonPointTerms {
-  Vector<T> normal, center;  // `center` and `half_chord` are multiplied by `gram`
-  T gram, half_chord;
+  Vector<T> normal, center;  // `center` is multiplied by `gram`, `squared_chord` by its square
+  T gram, squared_chord;     // of half the chord; below 0 if the spheres do not meet
 };
 
 template <class T>
@@ -244,17 +244,23 @@ CommonPointTerms<T> common_point_terms(const Sphere& a, const Sphere& b, const S
   const Vector<T> center{wu * vn.x + wv * nu.x, wu * vn.y + wv * nu.y, wu * vn.z + wv * nu.z};
   const T scaled_radius = T(a.radius) * gram;
   const T scaled_square = scaled_radius * scaled_radius + added_square * gram * gram;
-  return {n, center, gram, root(T(scaled_square - dot(center, center)))};
+  return {n, center, gram, T(scaled_square - dot(center, center))};
 }
 
 template <class T>
 CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
   const CommonPointTerms<T> terms = common_point_terms<T>(a, b, c, T(0));
-  const double half_chord = ratio(terms.half_chord, terms.gram);
+  const double half_chord = ratio(root(terms.squared_chord), terms.gram);
   const T twice_area = root(terms.gram);
   const Vec3d middle = quotient(terms.center, terms.gram);
   const Vec3d lift = half_chord * quotient(terms.normal, twice_area);
   return {middle + lift, middle - lift, half_chord, to_double(twice_area)};
+}
+
+template <class T>
+double size_in(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const CommonPointTerms<T> terms = common_point_terms<T>(a, b, c, T(0));
+  return -ratio(terms.squared_chord, T(terms.gram * terms.gram));
 }
 
 // The shape of a tetrahedron. A solid angle is the sum of the dihedral angles at its three edges,
@@ -347,11 +353,17 @@ CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
   return is_short(points.half_chord, a, b, c) ? points_in<WideFloat>(a, b, c) : points;
 }
 
+double orthogonal_size(const Sphere& a, const Sphere& b, const Sphere& c) {
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return size_in<WideFloat>(a, b, c);
+  const double size = size_in<double>(a, b, c);
+  return is_short(std::sqrt(std::abs(size)), a, b, c) ? size_in<WideFloat>(a, b, c) : size;
+}
+
 std::array<numbers::Vector<WideFloat>, 2> common_points_wide(const Sphere& a, const Sphere& b,
                                                              const Sphere& c,
                                                              const WideFloat& added_square) {
   const CommonPointTerms<WideFloat> terms = common_point_terms<WideFloat>(a, b, c, added_square);
-  const WideFloat lift = terms.half_chord / (terms.gram * root(terms.gram));
+  const WideFloat lift = root(terms.squared_chord) / (terms.gram * root(terms.gram));
   const auto at = [&](const WideFloat& center, const WideFloat& normal, const WideFloat& side) {
     return WideFloat(center / terms.gram + side * normal);
   };

@@ -55,6 +55,10 @@ struct CommonPoints {
 };
 CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c);
 
+// The squared radius of the smallest sphere that is orthogonal to three balls: minus the square of
+// half the chord where the spheres meet, above 0 where they do not.
+double orthogonal_size(const Sphere& a, const Sphere& b, const Sphere& c);
+
 // The point of equal power to four balls, relative to the centre of the first.
 Vec3d orthogonal_center(const std::array<Sphere, 4>& balls);
 

@@ -1,114 +1,121 @@
-// Climbs by linear programs. The distance from a centre is convex, so the tangent plane at a place
-// lies below it: with u_i the unit vector from centre i to the place and g_i the ball's distance,
+// Climbs by small convex programs. The distance from a centre is convex, so the tangent plane at a
+// place lies below it: with u_i the unit vector from centre i to the place and g_i the ball's
+// distance,
 //   g_i + u_i · step <= distance after the step.
 // The step that raises the least of the left sides most raises the clearance at least as much, and
 // nowhere on the way is it lower than at the start. At a maximum four balls are at one distance,
-// and the steps converge as Newton's method does.
+// and the steps converge as Newton's method does. Steps end in a ball, not in a cube, so that the
+// way turns with the atoms.
 #include "pockets/clearance.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace vdwmesh {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// row · (step, clearance) <= bound.
-struct HalfSpace {
-  std::array<double, 4> row;
-  double bound;
+// What a step promises of one ball: a distance of at least gap + rise · step.
+struct Promise {
+  Vec3d rise;  // of length 1
+  double gap;
 };
 
-double product(const std::array<double, 4>& a, const std::array<double, 4>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+double promised(const Promise& p, const Vec3d& step) { return p.gap + dot(p.rise, step); }
+
+// Up to four promises, of which the best step makes equal ones.
+struct Basis {
+  std::array<std::size_t, 4> members{};
+  std::size_t size = 0;
+};
+
+// The step of length `reach` at most with which the promises of the basis are equal and greatest:
+// the shortest one that makes them equal, and from there on up to the end. NaN or longer than
+// `reach` where there is none.
+Vec3d step_of(const std::vector<Promise>& all, const Basis& basis, double reach) {
+  const auto p = [&](std::size_t k) -> const Promise& { return all[basis.members[k]]; };
+  if (basis.size == 1) return reach * p(0).rise;
+  const Vec3d a = p(1).rise - p(0).rise;
+  const double at_a = p(0).gap - p(1).gap;
+  if (basis.size == 2) {
+    const Vec3d shortest = at_a / squared_norm(a) * a;
+    // The sum of both has no part along a.
+    const Vec3d along = p(0).rise + p(1).rise;
+    return shortest + std::sqrt(reach * reach - squared_norm(shortest)) / norm(along) * along;
+  }
+  const Vec3d b = p(2).rise - p(0).rise, n = cross(a, b);
+  const double at_b = p(0).gap - p(2).gap;
+  const Vec3d shortest = 1 / squared_norm(n) * (at_a * cross(b, n) + at_b * cross(n, a));
+  if (basis.size == 3) {
+    const double up = std::copysign(1 / norm(n), dot(n, p(0).rise));
+    return shortest + up * std::sqrt(reach * reach - squared_norm(shortest)) * n;
+  }
+  const Vec3d c = p(3).rise - p(0).rise;
+  const double at_c = p(0).gap - p(3).gap;
+  return 1 / dot(c, n) * (at_a * cross(b, c) + at_b * cross(c, a) + at_c * n);
 }
 
-// Solves matrix × result = right by elimination with pivots; NaN if the matrix is singular.
-std::array<double, 4> solve(std::array<std::array<double, 4>, 4> matrix,
-                            std::array<double, 4> right) {
-  for (std::size_t k = 0; k < 4; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t i = k + 1; i < 4; ++i) {
-      if (std::abs(matrix[i][k]) > std::abs(matrix[pivot][k])) pivot = i;
-    }
-    std::swap(matrix[k], matrix[pivot]);
-    std::swap(right[k], right[pivot]);
-    for (std::size_t i = k + 1; i < 4; ++i) {
-      const double factor = matrix[i][k] / matrix[k][k];
-      for (std::size_t j = k; j < 4; ++j) matrix[i][j] -= factor * matrix[k][j];
-      right[i] -= factor * right[k];
-    }
+// The least promise of the members.
+double least_of(const std::vector<Promise>& all, const Basis& members, const Vec3d& step) {
+  double least = kNone;
+  for (std::size_t k = 0; k < members.size; ++k) {
+    least = std::min(least, promised(all[members.members[k]], step));
   }
-  for (std::size_t k = 4; k-- > 0;) {
-    for (std::size_t j = k + 1; j < 4; ++j) right[k] -= matrix[k][j] * right[j];
-    right[k] /= matrix[k][k];
-  }
-  return right;
+  return least;
 }
 
-// The point of the half-spaces with the greatest last coordinate, by the dual simplex method.
-// `basis` names four half-spaces whose common point is greatest among the points of these four.
-std::array<double, 4> greatest(const std::vector<HalfSpace>& constraints,
-                               std::array<std::size_t, 4> basis) {
+// The best step for the promises of the basis and one more, and the basis that it has: of all steps
+// that some of them determine, the one whose least promise is greatest.
+std::pair<Basis, Vec3d> extended(const std::vector<Promise>& all, const Basis& basis,
+                                 std::size_t more, double reach) {
+  std::array<std::size_t, 5> five{};
+  std::copy_n(basis.members.begin(), basis.size, five.begin());
+  five[basis.size] = more;
+  constexpr double kRounding = 1e-12;
+  double best = -kNone;
+  std::pair<Basis, Vec3d> found{basis, {}};
+  for (unsigned subset = 1; subset < 2u << basis.size; ++subset) {
+    Basis tried;
+    if (std::popcount(subset) > 4) continue;
+    for (std::size_t k = 0; k <= basis.size; ++k) {
+      if (subset >> k & 1) tried.members[tried.size++] = five[k];
+    }
+    const Vec3d step = step_of(all, tried, reach);
+    if (!(norm(step) <= (1 + kRounding) * reach)) continue;
+    const double least = std::min(least_of(all, basis, step), promised(all[more], step));
+    if (least > best) best = least, found = {tried, step};
+  }
+  return found;
+}
+
+// The best step of length `reach` at most. It takes in the promise that it breaks most, until it
+// breaks none.
+Vec3d best_step(const std::vector<Sphere>& balls, const Vec3d& place, double reach) {
   constexpr double kTolerance = 1e-15;
-  constexpr int kMostPivots = 1000;  // some ten are usual
-  std::array<double, 4> point{};
-  for (int pivot = 0; pivot < kMostPivots; ++pivot) {
-    std::array<std::array<double, 4>, 4> rows, columns;
-    std::array<double, 4> bounds;
-    for (std::size_t k = 0; k < 4; ++k) {
-      rows[k] = constraints[basis[k]].row;
-      bounds[k] = constraints[basis[k]].bound;
-      for (std::size_t j = 0; j < 4; ++j) columns[j][k] = rows[k][j];
-    }
-    point = solve(rows, bounds);
-    std::size_t entering = constraints.size();
-    double worst = kTolerance;
-    for (std::size_t i = 0; i < constraints.size(); ++i) {
-      const double excess = product(constraints[i].row, point) - constraints[i].bound;
-      if (excess > worst && std::ranges::count(basis, i) == 0) worst = excess, entering = i;
-    }
-    if (entering == constraints.size()) return point;
-    const std::array<double, 4> weights = solve(columns, {0, 0, 0, 1}),
-                                change = solve(columns, constraints[entering].row);
-    std::size_t leaving = 4;
-    double least = kNone;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (!(change[k] > kTolerance) || !(weights[k] / change[k] < least)) continue;
-      least = weights[k] / change[k];
-      leaving = k;
-    }
-    if (leaving == 4) return point;
-    basis[leaving] = entering;
-  }
-  return point;
-}
-
-// The best step within a cube, and the clearance that it promises.
-std::array<double, 4> best_step(const std::vector<Sphere>& balls, const Vec3d& place, double cube) {
-  std::vector<HalfSpace> constraints;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double side : {-1.0, 1.0}) {
-      HalfSpace face{{0, 0, 0, 0}, cube};
-      face.row[static_cast<std::size_t>(axis)] = side;
-      constraints.push_back(face);
-    }
-  }
-  std::size_t nearest = constraints.size();
+  std::vector<Promise> all;
   for (const Sphere& ball : balls) {
     const Vec3d from = place - ball.center;
     const double distance = norm(from);
-    const Vec3d u = 1 / distance * from;
-    constraints.push_back({{-u.x, -u.y, -u.z, 1}, distance - ball.radius});
-    if (constraints.back().bound < constraints[nearest].bound) nearest = constraints.size() - 1;
+    all.push_back({1 / distance * from, distance - ball.radius});
   }
-  std::array<std::size_t, 4> basis{nearest, 0, 2, 4};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (constraints[nearest].row[axis] < 0) ++basis[axis + 1];
+  const auto nearest = std::ranges::min_element(all, {}, &Promise::gap);
+  Basis basis{{static_cast<std::size_t>(nearest - all.begin())}, 1};
+  Vec3d step = step_of(all, basis, reach);
+  for (double last = kNone;;) {
+    const double kept = least_of(all, basis, step);
+    if (!(kept < last)) return step;  // only rounding is left
+    last = kept;
+    const auto by_promise = [&](const Promise& p) { return promised(p, step); };
+    const auto worst = std::ranges::min_element(all, {}, by_promise);
+    if (promised(*worst, step) >= kept - kTolerance) return step;
+    std::tie(basis, step) =
+        extended(all, basis, static_cast<std::size_t>(worst - all.begin()), reach);
   }
-  return greatest(constraints, basis);
 }
 
 // The balls near a place that moves: it looks through a pool, which is gathered anew when the place
@@ -155,23 +162,21 @@ double clearance_at(const std::vector<Sphere>& balls, const Vec3d& place) {
 std::optional<ClearPlace> climb_clearance(const std::vector<Sphere>& balls, const Vec3d& start,
                                           double ceiling, std::vector<ClearPlace>* trail) {
   // Of the largest radius: small, because a long step may reach another summit over a pass.
-  constexpr double kCube = 0.02;
+  constexpr double kReach = 0.02;
   constexpr double kConverged = 1e-14;
   constexpr int kMostSteps = 1000;
   double largest = 0;
   for (const Sphere& b : balls) largest = std::max(largest, b.radius);
-  const double cube = kCube * largest;
+  const double longest = kReach * largest;
   BallPool pool(balls, largest);
   ClearPlace at{start, clearance_at(balls, start)};
   for (int i = 0; i < kMostSteps; ++i) {
     if (trail) trail->push_back(at);
     if (at.clearance >= ceiling) return at;
     // No ball farther than this is nearer after the step than what is nearest now: both its
-    // distance and the clearance change by at most the cube's half diagonal.
-    const double reach = at.clearance + 2 * std::sqrt(3.0) * cube;
-    const std::vector<Sphere> near = pool.within(at.place, reach);
-    const std::array<double, 4> found = best_step(near, at.place, cube);
-    const Vec3d step{found[0], found[1], found[2]};
+    // distance and the clearance change by at most the length of the step.
+    const std::vector<Sphere> near = pool.within(at.place, at.clearance + 2 * longest);
+    const Vec3d step = best_step(near, at.place, longest);
     const ClearPlace next{at.place + step, clearance_at(near, at.place + step)};
     if (!(next.clearance > at.clearance) || norm(step) < kConverged * largest) return at;
     at = next;

@@ -156,15 +156,11 @@ double cell_alpha(const PowerTriangulation& t, std::uint32_t cell) {
 double face_alpha(const PowerTriangulation& t, std::uint32_t cell, std::size_t k) {
   const auto& v = t.cells[cell];
   const auto& f = kFacetVertices[k];
-  const Sphere& a = t.balls[v[f[0]]];
-  const CommonPoints points = common_points(a, t.balls[v[f[1]]], t.balls[v[f[2]]]);
-  if (points.half_chord > 0) return -points.half_chord * points.half_chord;
-  return squared_norm(points.above) - a.radius * a.radius;
+  return orthogonal_size(t.balls[v[f[0]]], t.balls[v[f[1]]], t.balls[v[f[2]]]);
 }
 
 // All cells at infinity are where the paths begin.
 WidestWays::WidestWays(const PowerTriangulation& t, const std::vector<std::uint8_t>& obtuse,
-
                        const std::vector<std::uint32_t>& wanted, Monitor* monitor)
     : alpha_(t.cells.size(), -kUnbounded) {
   std::vector<std::uint8_t> is_wanted(t.cells.size(), 0), settled(t.cells.size(), 0);

@@ -1,13 +1,16 @@
 """vdwmesh pockets: its table beside another program's, its JSON, and refusals."""
 
+import collections
 import csv
 import math
+import re
+from xml.etree import ElementTree
 
 import program
 from program import BAD_INPUT, DONE, UBIQUITIN, ProgramTest, need_shared, parse_json, run, schema_validator
 
 TWELVE_DIGITS = 1e-9  # the other program's table has twelve digits, its largest figure is 4296
-LISTS = {"lining_areas", "mouth_table"}
+LISTS = {"lining_areas", "lining_residues", "mouth_table"}
 
 
 class Pockets(ProgramTest):
@@ -49,6 +52,14 @@ class Pockets(ProgramTest):
             self.assertEqual(len(row["lining"].split()), len(pocket["lining_areas"]))
             self.assert_near(math.fsum(pocket["lining_areas"]), pocket["area"], 1e-10)
             self.assertEqual(len(pocket["mouth_table"]), int(row["mouths"]))
+            residues = collections.defaultdict(float)
+            for atom, area in zip(row["lining"].split(), pocket["lining_areas"], strict=True):
+                residues[atom.rpartition("/")[0]] += area
+            found = [(re.sub("/[A-Z]+ ", "/", r["residue"]), r["area"]) for r in pocket["lining_residues"]]
+            self.assertEqual(found, sorted(found, key=lambda pair: -pair[1]))
+            self.assertEqual({name for name, _ in found}, set(residues))
+            for name, area in found:
+                self.assert_near(area, residues[name], 1e-12)
             self.assert_near(float(row["volume"]), pocket["volume"], 0)
 
     def test_voids_are_those_of_exact(self):
@@ -195,6 +206,50 @@ class Pockets(ProgramTest):
         for x, y, z, r in spheres:
             self.assert_near(float(x) + float(y) + float(z), 6.9, 1e-12)
             self.assert_near(float(r), radius, 1e-12)
+
+    def test_spheres_and_plots_of_other_questions(self):
+        """Of a cube: one place, which opens through six gates at once, and one gate on the way."""
+        side, radius = 4.6, 1.5
+        corners = [(x, y, z) for x in (0, side) for y in (0, side) for z in (0, side)]
+        cube = self.file("cube.xyzr", "".join(f"{x} {y} {z} {radius}\n" for x, y, z in corners))
+        fits, gate = math.sqrt(3) * side / 2 - radius, side / math.sqrt(2) - radius
+        scene, ways = self.folder / "s.mvsj", ("--from", f"{side / 2},{side / 2},{side / 2}")
+        self.run_ok("pockets", cube, "-o", scene, "--quiet")
+        (row,) = self.table(cube)
+        tree = parse_json(scene.read_text())
+        self.assertEqual(tree["metadata"]["version"], "1")
+        (group,) = tree["root"]["children"]
+        self.assertEqual((group["kind"], group["params"]["color"]), ("primitives", "#e69e00"))
+        self.assertTrue(group["params"]["tooltip"].startswith("channel 1, 13.497"), group["params"]["tooltip"])
+        self.assertEqual(len(group["children"]), int(row["tetrahedra"]))
+        self.assertEqual({(n["kind"], n["params"]["kind"]) for n in group["children"]}, {("primitive", "ellipsoid")})
+        self.assert_near(group["children"][0]["params"]["radius"], fits, 1e-12)
+        self.run_ok("pockets", cube, "--scan", "0.5:3", "-o", self.folder / "places.bild", "--quiet")
+        (sphere,) = [line for line in (self.folder / "places.bild").read_text().splitlines() if ".sphere" in line]
+        for number, expected in zip(sphere.split()[1:], (side / 2,) * 3 + (fits,), strict=True):
+            self.assert_near(float(number), expected, 1e-12)
+        points = self.report("pockets", cube, *ways, "-o", self.folder / "way.pdb")["way"]["points"]
+        records = [line for line in (self.folder / "way.pdb").read_text().splitlines() if line.startswith("HETATM")]
+        self.assertEqual([float(line[60:66]) for line in records], [round(p["radius"], 2) for p in points])
+        for question in (("--scan", "0.5:3"), ways):
+            self.run_ok("pockets", cube, *question, "-o", self.folder / "plot.svg", "--quiet")
+            svg = ElementTree.parse(self.folder / "plot.svg").getroot()
+            (title,) = svg.iter("{http://www.w3.org/2000/svg}title")
+            self.assertIn(f"{gate:.4f} Å", title.text)
+        # The line of the place ends at the dot, 0.5 Å being at the left edge of 60 and `fits` at 760.
+        self.run_ok("pockets", cube, "--scan", "0.5:3", "-o", self.folder / "plot.svg", "--quiet")
+        (dot,) = ElementTree.parse(self.folder / "plot.svg").getroot().iter("{http://www.w3.org/2000/svg}circle")
+        self.assert_near(float(dot.get("cx")), 60 + 700 * (gate - 0.5) / (fits - 0.5), 0.01)
+
+    def test_refuses_what_it_cannot_write(self):
+        for arguments, says in (
+            (("-o", "x.glb"), "writes .csv"),
+            (("-o", "x.svg"), "--scan and --from"),
+            (("--shell", "4", "-o", "x.svg"), "--scan and --from"),
+            (("--shell", "4", "-o", "x.pdb"), "leave out --shell"),
+            (("--shell", "1.4"), "the larger probe"),
+        ):
+            self.assert_refused(BAD_INPUT, "pockets", UBIQUITIN, *arguments, says=(says,))
 
     def test_few_atoms_have_none(self):
         path = self.file("two.xyzr", "0 0 0 1\n2.5 0 0 1\n")

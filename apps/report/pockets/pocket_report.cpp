@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <utility>
 
 #include "report/atom_names.hpp"
 #include "report/csv.hpp"
@@ -21,6 +24,24 @@ Cells cells_of(const PocketRow& row) {
 
 std::uint64_t count_of(const PocketReport& report, PocketKind kind) {
   return static_cast<std::uint64_t>(std::ranges::count(report.pockets, kind, &PocketRow::kind));
+}
+
+std::vector<LiningResidue> residues_of(const std::vector<LiningSphere>& lining,
+                                       const Molecule& molecule) {
+  std::map<std::pair<std::string, std::uint32_t>, LiningResidue>
+      residues;  // of each copy of a chain
+  for (const LiningSphere& sphere : lining) {
+    const Atom& atom = molecule.atoms[sphere.id];
+    if (atom.residue_name.empty()) continue;
+    const auto name = fmt::format("{}/{} {}", atom.chain.view(), atom.residue_name.view(),
+                                  atom.residue_number.view());
+    const std::pair key(std::string(atom.chain.view()), atom.residue);
+    residues.try_emplace(key, LiningResidue{name, 0}).first->second.area += sphere.area;
+  }
+  std::vector<LiningResidue> out;
+  for (const auto& [key, residue] : residues) out.push_back(residue);
+  std::ranges::stable_sort(out, std::greater<>(), &LiningResidue::area);
+  return out;
 }
 
 }  // namespace
@@ -46,6 +67,7 @@ PocketReport pocket_report(const PocketTable& table, const Molecule& molecule, d
     row.probe = probe;
     row.rank = report.pockets.size();
     row.lining_text = lining;
+    row.lining_residues = residues_of(pocket.lining, molecule);
     row.measures = measures;
   }
   return report;

@@ -12,12 +12,18 @@
 
 namespace vdwmesh::apps {
 
+struct LiningResidue {
+  std::string residue;  // "A/LEU 50"
+  double area;          // Å²
+};
+
 // A pocket as a row: with its place in the table and the names of its atoms.
 struct PocketRow : Pocket {
-  std::string set;          // what was read, without folder and extension
-  double probe = 0;         // Å
-  std::uint64_t rank = 0;   // from 1, by falling volume
-  std::string lining_text;  // names of lining atoms, with blanks between
+  std::string set;                             // what was read, without folder and extension
+  double probe = 0;                            // Å
+  std::uint64_t rank = 0;                      // from 1, by falling volume
+  std::string lining_text;                     // names of lining atoms, with blanks between
+  std::vector<LiningResidue> lining_residues;  // by falling area; none if the file has no residues
   PocketMeasures measures = PocketMeasures::exact;
 };
 
@@ -59,6 +65,11 @@ void describe(A& a, const MouthRow& mouth) {
   a("faces", mouth.faces);
 }
 
+template <class A>
+void describe(A& a, const LiningResidue& r) {
+  a("residue", r.residue), a("area", r.area);
+}
+
 // The sum of a figure over all mouths.
 template <class Member>
 Member sum_over_mouths(const Pocket& pocket, Member Mouth::*member) {
@@ -96,7 +107,7 @@ void describe(A& a, const PocketRow& p) {
   for (const LiningSphere& s : p.lining) areas.push_back(s.area);
   std::vector<MouthRow> mouths;
   for (const Mouth& m : p.mouths) mouths.push_back({m, p.measures});
-  a("lining_areas", areas), a("mouth_table", mouths);
+  a("lining_areas", areas), a("lining_residues", p.lining_residues), a("mouth_table", mouths);
 }
 
 template <class A>

@@ -35,6 +35,24 @@ TEST(SimplexShape, UnitSpheresOnARegularTriangleMeetAtTheApex) {
   EXPECT_NEAR(norm(points.below - Vec3d{0.5, kHeight / 3, -kApex}), 0, kRounding);
 }
 
+// The circle through the centres has the squared radius side² / 3, less what balls take of it.
+TEST(SimplexShape, SizeOfATriangle) {
+  for (const double r : {1.0, 0.25}) {
+    const Sphere a{{0, 0, 0}, r}, b{{1, 0, 0}, r}, c{{0.5, kHeight, 0}, r};
+    EXPECT_NEAR(orthogonal_size(a, b, c), 1.0 / 3 - r * r, kRounding);
+  }
+  // Sides 3, 4, 5: the circle has half of the longest as its radius, and balls all but reach its
+  // centre.
+  const double r = 0.625 - 0x1p-40;
+  EXPECT_NEAR(
+      orthogonal_size({{0, 0, 0}, r}, {{0.75, 0, 0}, r}, {{0, 1, 0}, r}) / ((0.625 + r) * 0x1p-40),
+      1, kRounding);
+  // Thin: the circle through 0, 1 and the middle lifted by e has the radius (1/4 + e²) / 2e.
+  const double lift = 0x1p-40, radius = (0.25 + lift * lift) / (2 * lift);
+  const double size = orthogonal_size({{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0.5, lift, 0}, 1});
+  EXPECT_NEAR(size / (radius * radius), 1, kRounding);
+}
+
 TEST(SimplexShape, RegularTetrahedron) {
   const std::array<Sphere, 4> balls{
       {{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0.5, kHeight, 0}, 1}, {{0.5, kHeight / 3, kApex}, 1}}};
