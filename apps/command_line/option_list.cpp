@@ -421,7 +421,9 @@ std::vector<Option> output_options(Draft& d) {
        "the widest way out from an atom, such as \"A/HIS 57/NE2\", X,Y,Z or pocket:1", no_default(),
        "--scan"},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
-       "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"},
+       "CSV of the voids: volume, area, centre, clearance, atoms, - is standard output; or a "
+       "sphere "
+       "in each for viewers: .pdb .pml (PyMOL) .bild (ChimeraX)"},
       {"--depth", kExact, one(o.output.depth, text("FILE"), Use::writes),
        "CSV of how deep atoms, or residues in the mean (--group), lie below the accessible, the "
        "excluded and its exterior surface, Å; - is standard output"},
