@@ -23,7 +23,8 @@ constexpr VerbSet kSurfaces = kOneSurface | kBatch;  // with --verb report
 constexpr VerbSet kGrids = kSurfaces | kRanksMesh;   // marching cubes
 constexpr VerbSet kDistances = kReport | kCompare | kStudy | kBatch;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
-constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kStudy | kView;
+constexpr VerbSet kExcluded =
+    kExact | kMesh | kReport | kCompare | kRender | kStudy | kView | kBatch;
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare | kPockets;
 
 constexpr const char* kFormats =

@@ -15,13 +15,13 @@ namespace vdwmesh::apps {
 // Writes rows of one kind. Each ends with a line break and holds no other.
 class RowWriter {
  public:
-  // `settings` says which options made the rows; it is part of each.
-  RowWriter(const BatchChoice& choice, std::string settings)
-      : verb_(choice.verb), format_(choice.rows), settings_(std::move(settings)) {}
+  // The options say what rows are made of; settings_key() of them is part of each.
+  explicit RowWriter(const Options& options);
 
   // The line before the first row; empty if there is none.
   std::string header() const;
   std::string text(const BatchRow& row) const;
+  std::string text(const ExcludedRow& row) const;
   std::string text(const ReportRow& row) const;
   std::string text(const InterfaceRow& row) const;
   std::string text(const PocketsRow& row) const;
@@ -33,6 +33,7 @@ class RowWriter {
 
  private:
   BatchVerb verb_;
+  ExactSurface surface_;
   RowFormat format_;
   std::string settings_;
 };
