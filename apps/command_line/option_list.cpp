@@ -362,8 +362,9 @@ std::vector<Option> output_options(Draft& d) {
   Options& o = d.options;
   return {
       {"-o,--output", kMesh, one(o.mesh_path, text("FILE"), Use::writes),
-       "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh) or .vtp (ParaView)",
-       required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp)")},
+       "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh), .vtp .vtu (ParaView, meshio) or .3mf "
+       "(printers)",
+       required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp .vtu .3mf)")},
       {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file, which all ranks write: .ply or .vtkhdf",
        required("name the mesh file to write (.ply .vtkhdf)")},

@@ -116,10 +116,11 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
                     : ": does not say which patch each triangle is part of, nor curvatures; PLY "
                       "does, and MSH has the patches"));
   }
-  const bool has_spheres = is_ply || format == MeshFormat::msh || format == MeshFormat::vtp;
+  const bool has_spheres =
+      is_ply || format == MeshFormat::msh || format == MeshFormat::vtp || format == MeshFormat::vtu;
   if (!made.mesh.triangle_spheres.empty() && !has_spheres) {
     report.notes.push_back(
-        path + ": does not say which sphere each triangle is part of; PLY, MSH and VTP do");
+        path + ": does not say which sphere each triangle is part of; PLY, MSH, VTP and VTU do");
   }
   if (format == MeshFormat::msh && result.topology.closed)
     report.notes.push_back(filled_by_gmsh(path));
