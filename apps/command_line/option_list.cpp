@@ -349,9 +349,11 @@ std::vector<Option> picture_options(Draft& d) {
        "values at the ends of the colour map", otherwise("what holds 99 % of them")},
       {"--color", kRender,
        of_picture(p, "COLOR", read_color,
-                  {"element", "distance", "angle", "kind", "mean-curvature", "gaussian-curvature",
-                   "white", "black", "grey"}),
-       "element, distance (of triangle centres to the exact surface), angle (smallest of each "
+                  {"element", "chain", "residue", "hydropathy", "exposure", "distance", "angle",
+                   "kind", "mean-curvature", "gaussian-curvature", "white", "black", "grey"}),
+       "element, chain, residue (its kind), hydropathy (Kyte-Doolittle), exposure (relative "
+       "accessible area of the residue), distance (of triangle centres to the exact surface), "
+       "angle (smallest of each "
        "triangle), kind, mean-curvature, gaussian-curvature (of the patches of --surface ses), "
        "or one colour: white, black, grey, #rrggbb",
        otherwise("element; of a MESH: grey")}};

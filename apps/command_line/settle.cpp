@@ -75,8 +75,9 @@ void settle_input(Draft& d) {
 
 // Whether triangles are coloured by a number.
 bool shows_values(std::optional<ColorBy> color) {
-  return color == ColorBy::distance || color == ColorBy::angle ||
-         color == ColorBy::mean_curvature || color == ColorBy::gaussian_curvature;
+  return color == ColorBy::distance || color == ColorBy::angle || color == ColorBy::hydropathy ||
+         color == ColorBy::exposure || color == ColorBy::mean_curvature ||
+         color == ColorBy::gaussian_curvature;
 }
 
 // A mesh file is drawn as it is: what is said about structures would be lost on it.
@@ -97,7 +98,7 @@ void settle_render(const Draft& d) {
             : excluded ? ", mean-curvature or gaussian-curvature"
                        : " or distance");
   if (!of_mesh) return;
-  refuse_if(color == ColorBy::element || color == ColorBy::distance,
+  refuse_if(color && (is_of_atoms(*color) || color == ColorBy::distance),
             "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
             "colours it by distance");
   for (const auto& [name, group] : d.given) {
@@ -323,6 +324,12 @@ void settle_axes(const Draft& d) {
 // The axes of a study are in order whatever was typed, and so are its table and its page.
 void settle_study(Draft& d) {
   StudyOptions& study = d.options.study;
+  const std::filesystem::path folder = study.folder;
+  const std::string extension = lower_case(folder.extension().string());
+  refuse_if(
+      d.verb == kStudy && (extension == ".html" || extension == ".csv" || extension == ".json"),
+      "-o {}: a study is a folder of a page and tables; name a folder, such as {}", folder.string(),
+      folder.stem().string());
   for (const char* name : {kStudyTable, kStudyDocument, kStudyPage}) {
     if (d.verb == kStudy) d.files.add_output_in("-o", study.folder, name);
   }

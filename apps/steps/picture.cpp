@@ -9,11 +9,13 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
-#include "mesh/element_color.hpp"
 #include "render/crease_split.hpp"
 #include "report/output.hpp"
+#include "request/refuse.hpp"
+#include "steps/atom_colors.hpp"
 #include "steps/exact_steps.hpp"
 #include "steps/stopwatch.hpp"
+#include "structure/reference_areas.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -100,18 +102,38 @@ VertexValues paint_by_curvature(const IndexedMesh& shown, const PatchedMesh& mes
 
 }  // namespace
 
-Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
-  std::vector<Rgb> atoms;
-  atoms.reserve(molecule.atoms.size());
-  for (const Atom& atom : molecule.atoms) {
-    const auto c = element_color(atom.element);
-    atoms.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255,
-                     static_cast<float>(c[2]) / 255});
+void check_references(const PictureOptions& options, const Molecule& molecule) {
+  refuse_if(options.color == ColorBy::exposure && !reference_areas(molecule.radius_set, "LEU"),
+            "--color exposure: extended residues are known for three sets of radii; add --radii "
+            "protor (or naccess, oons)");
+}
+
+Paint paint_by_atom(const IndexedMesh& mesh, const Molecule& molecule,
+                    const PictureOptions& options, Session& session) {
+  const ColorBy color = options.color.value_or(ColorBy::element);
+  const auto of_vertices = [&mesh](const auto& of_atoms, auto& vertices) {
+    vertices.resize(mesh.vertex_count());
+    std::ranges::transform(mesh.vertex_spheres.atoms, vertices.begin(),
+                           [&](SphereId atom) { return of_atoms.at(atom); });
+  };
+  if (color == ColorBy::hydropathy || color == ColorBy::exposure) {
+    VertexValues paint;
+    const bool exposed = color == ColorBy::exposure;
+    of_vertices(exposed ? atom_exposures(molecule, session.monitor) : atom_hydropathies(molecule),
+                paint.values);
+    paint.scale = exposed
+                      ? scale_for(paint.values, ColorMap::viridis, {0, 100},
+                                  "Exposure of the residue, % of an extended one", options)
+                      : scale_for(paint.values, ColorMap::cool_warm, {-4.5, 4.5},
+                                  "Hydropathy, Kyte-Doolittle (positive: hydrophobic)", options);
+    return paint;
   }
+  const AtomColors atoms = color == ColorBy::chain     ? colors_of_chains(molecule)
+                           : color == ColorBy::residue ? colors_of_residues(molecule)
+                                                       : colors_of_elements(molecule);
+  if (!atoms.key.empty()) session.report.note("colours: {}", atoms.key);
   VertexColors paint;
-  paint.colors.resize(mesh.vertex_count());
-  std::ranges::transform(mesh.vertex_spheres.atoms, paint.colors.begin(),
-                         [&](SphereId atom) { return atoms.at(atom); });
+  of_vertices(atoms.colors, paint.colors);
   return paint;
 }
 

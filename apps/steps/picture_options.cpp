@@ -115,9 +115,12 @@ void read_background(std::string_view option, const std::string& text, PictureOp
 
 void read_color(std::string_view option, const std::string& text, PictureOptions& options) {
   constexpr std::string_view kKnown[] = {
-      "element", "distance", "angle", "kind",   "mean-curvature", "gaussian-curvature",
-      "white",   "black",    "grey",  "#rrggbb"};
-  constexpr ColorBy kColorings[] = {ColorBy::element,        ColorBy::distance,
+      "element",  "chain", "residue", "hydropathy",     "exposure",
+      "distance", "angle", "kind",    "mean-curvature", "gaussian-curvature",
+      "white",    "black", "grey",    "#rrggbb"};
+  constexpr ColorBy kColorings[] = {ColorBy::element,        ColorBy::chain,
+                                    ColorBy::residue,        ColorBy::hydropathy,
+                                    ColorBy::exposure,       ColorBy::distance,
                                     ColorBy::angle,          ColorBy::kind,
                                     ColorBy::mean_curvature, ColorBy::gaussian_curvature};
   const auto named = std::ranges::find(kKnown, text) - std::begin(kKnown);
