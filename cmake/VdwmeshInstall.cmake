@@ -3,7 +3,7 @@
 # compiles every one of them alone from an installed copy.
 set(vdwmesh_rooms core spheres surface structure extract refine complex measures pockets creases excluded remesh interface batch mesh analysis render cuda)
 set(core_headers buffer curves_too_close errors host_device monitor sum vec3 workspace)
-set(structure_headers molecule polarity radii reader reference_areas short_text)
+set(structure_headers molecule polarity radii reader reference_areas residue_classes short_text)
 set(spheres_headers cell_list_frame sphere_batch sphere_set)
 set(surface_headers indexed_mesh surface_patch vertex_labels)
 set(extract_headers batch_extractor extractor field grid sampled_field)

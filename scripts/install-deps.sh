@@ -5,6 +5,7 @@
 #     browser: Chromium too, which tests the page of a study
 #     fuzz: Clang 19 and its runtime too, for the preset fuzz and for clang-tidy
 #     witnesses: programs and modules of others too, against which tests check ours
+#     viewers: Blender, ParaView and PyMOL too, which tests open files with (1 GB)
 #     docs: Doxygen and Python-Markdown too, which the targets docs_api and docs_site need
 #     manual: man, groff and zsh too, by which tests read man pages and completions
 #     packages: what checks packages for Debian and tries them (scripts/release-check.sh)
@@ -31,17 +32,18 @@ for group in "$@"; do
   case $group in
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
     witnesses)
-      packages+=(python3-vtk9 assimp-utils admesh tetgen gmsh python3-gudhi voronota python3-ase python3-biopython
+      packages+=(python3-vtk9 assimp-utils lib3mf1 admesh tetgen gmsh python3-gudhi voronota python3-ase python3-biopython
       python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d
       parallel snakemake python3-dask python3-mpi4py python3-torch
       libopenmm-dev libopenmm-plugins python3-simtk swig) ;;
+    viewers) packages+=(blender python3-paraview paraview pymol) ;;
     docs) packages+=(doxygen python3-markdown) ;;
     manual) packages+=(man-db groff zsh) ;;
     packages) packages+=(dpkg-dev debhelper dh-python file lintian debootstrap) ;;
     container) packages+=(buildah crun debootstrap) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;
-    *) echo "install-deps: no group $group; there are program (first), browser, witnesses, docs, manual, packages, container, fuzz and anchors" >&2; exit 1 ;;
+    *) echo "install-deps: no group $group; there are program (first), browser, witnesses, viewers, docs, manual, packages, container, fuzz and anchors" >&2; exit 1 ;;
   esac
 done
 

@@ -41,6 +41,8 @@ const Verb& take_verb(const Program& program, Words& words) {
   const auto verb = std::ranges::find(program.verbs, given, &Verb::name);
   refuse_if(given == "bench", "bench: is a program of its own, vdwmesh-bench (bench/README.md)");
   if (verb == program.verbs.end()) {
+    const std::string frames = advice_on_trajectory(words);
+    if (!frames.empty()) throw InvalidInput(frames);
     WordViews known;
     for (const Verb& one : program.verbs) known.push_back(one.name);
     const std::string advice =
@@ -175,6 +177,8 @@ class Reading {
   }
 
   [[noreturn]] void refuse_word(const std::string& word) const {
+    const std::string frames = advice_on_trajectory(words_);
+    if (!frames.empty()) throw InvalidInput(frames);
     const std::string name = word.substr(0, word.find('='));
     if (!name.starts_with('-')) refuse("{}: one argument too many{}", word, advice_on(word));
     WordViews known;

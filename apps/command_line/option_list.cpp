@@ -23,7 +23,8 @@ constexpr VerbSet kSurfaces = kOneSurface | kBatch;  // with --verb report
 constexpr VerbSet kGrids = kSurfaces | kRanksMesh;   // marching cubes
 constexpr VerbSet kDistances = kReport | kCompare | kStudy | kBatch;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
-constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kStudy | kView;
+constexpr VerbSet kExcluded =
+    kExact | kMesh | kReport | kCompare | kRender | kStudy | kView | kBatch;
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare | kPockets;
 
 constexpr const char* kFormats =
@@ -347,12 +348,14 @@ std::vector<Option> picture_options(Draft& d) {
       {"--color-range", kPictures, of_picture(p, "LOWER,UPPER", read_color_range),
        "values at the ends of the colour map", otherwise("what holds 99 % of them")},
       {"--color", kRender,
-       of_picture(p, "COLOR", read_color,
-                  {"element", "distance", "angle", "b-factor", "kind", "mean-curvature",
-                   "gaussian-curvature", "white", "black", "grey"}),
-       "element, distance (of triangle centres to the exact surface), angle (smallest of each "
-       "triangle), b-factor (of the atoms of the file), kind, mean-curvature, "
-       "gaussian-curvature (of the patches of --surface ses), "
+       of_picture(
+           p, "COLOR", read_color,
+           {"element", "chain", "residue", "hydropathy", "exposure", "b-factor", "distance",
+            "angle", "kind", "mean-curvature", "gaussian-curvature", "white", "black", "grey"}),
+       "element, chain, residue (its kind), hydropathy (Kyte-Doolittle), exposure (relative "
+       "accessible area of the residue), b-factor (of the atoms of the file), distance (of "
+       "triangle centres to the exact surface), angle (smallest of each "
+       "triangle), kind, mean-curvature, gaussian-curvature (of the patches of --surface ses), "
        "or one colour: white, black, grey, #rrggbb",
        otherwise("element; of a MESH: grey")}};
 }
@@ -362,8 +365,9 @@ std::vector<Option> output_options(Draft& d) {
   Options& o = d.options;
   return {
       {"-o,--output", kMesh, one(o.mesh_path, text("FILE"), Use::writes),
-       "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh) or .vtp (ParaView)",
-       required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp)")},
+       "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh), .vtp .vtu (ParaView, meshio) or .3mf "
+       "(printers)",
+       required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp .vtu .3mf)")},
       {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file, which all ranks write: .ply or .vtkhdf",
        required("name the mesh file to write (.ply .vtkhdf)")},
@@ -422,7 +426,9 @@ std::vector<Option> output_options(Draft& d) {
        "the widest way out from an atom, such as \"A/HIS 57/NE2\", X,Y,Z or pocket:1", no_default(),
        "--scan"},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
-       "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"},
+       "CSV of the voids: volume, area, centre, clearance, atoms, - is standard output; or a "
+       "sphere "
+       "in each for viewers: .pdb .pml (PyMOL) .bild (ChimeraX) .mvsj (Mol*)"},
       {"--depth", kExact, one(o.output.depth, text("FILE"), Use::writes),
        "CSV of how deep atoms, or residues in the mean (--group), lie below the accessible, the "
        "excluded and its exterior surface, Å; - is standard output"},

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/letters.hpp"
+#include "structure/reader.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -147,18 +148,7 @@ constexpr OtherWord kVerbs[] = {{"sasa", "exact {} --surface sas"},
                                 {"fpocket", "pockets {}"},
                                 {"residues", "exact {} --per-atom - --group residue"}};
 
-std::string in_shell(const std::string& word) {
-  constexpr std::string_view kPlain = "-_./,:=+@%";
-  const auto is_plain = [kPlain](char c) {
-    return is_letter(c) || is_digit(c) || kPlain.find(c) != kPlain.npos;
-  };
-  if (std::ranges::all_of(word, is_plain) && !word.empty()) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
-std::string in_shell(std::span<const std::string> words) {
+std::string line_in_shell(std::span<const std::string> words) {
   std::string text;
   for (const std::string& word : words)
     text += fmt::format("{}{}", text.empty() ? "" : " ", in_shell(word));
@@ -211,6 +201,17 @@ std::optional<OtherWord> said_here(std::string_view option, std::string_view val
 
 }  // namespace
 
+std::string in_shell(const std::string& word) {
+  constexpr std::string_view kPlain = "-_./,:=+@%";
+  const auto is_plain = [kPlain](char c) {
+    return is_letter(c) || is_digit(c) || kPlain.find(c) != kPlain.npos;
+  };
+  if (std::ranges::all_of(word, is_plain) && !word.empty()) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 std::string advice_on_option(std::string_view command, const std::vector<std::string>& words,
                              std::string_view unknown, std::span<const std::string_view> known) {
   std::string reasons;
@@ -241,13 +242,38 @@ std::string advice_on_option(std::string_view command, const std::vector<std::st
   return fmt::format("{}; type: {} {}", reasons, command, fmt::join(typed, " "));
 }
 
+std::string advice_on_trajectory(const std::vector<std::string>& words) {
+  constexpr std::string_view kFrames[] = {".xtc", ".trr", ".dcd", ".nc"},
+                             kTopologies[] = {".tpr", ".psf", ".prmtop", ".parm7"};
+  // MDAnalysis chooses its reader by these endings, which it takes in any case.
+  const auto has = [](std::span<const std::string_view> endings) {
+    return [endings](const std::string& word) {
+      const std::string small = lower_case(word);
+      return std::ranges::any_of(endings,
+                                 [&](std::string_view end) { return small.ends_with(end); });
+    };
+  };
+  const auto frames = std::ranges::find_if(words, has(kFrames));
+  if (frames == words.end()) return "";
+  const auto structure = std::ranges::find_if(words, [&](const std::string& word) {
+    return has_structure_extension(word) || has(kTopologies)(word);
+  });
+  if (structure == words.end())
+    return fmt::format("{}: is a trajectory; name its structure as well", *frames);
+  return fmt::format(
+      "{}: is a trajectory, and Python measures the frames; type: python3 -c 'import sys, "
+      "MDAnalysis, vdwmesh; u = MDAnalysis.Universe(*sys.argv[1:]); vdwmesh.trajectory(u, "
+      "probe=1.4).save(\"areas.csv\"); vdwmesh.residue_table(u, \"residues.csv\")' {} {}",
+      *frames, in_shell(*structure), in_shell(*frames));
+}
+
 std::string advice_on_verb(std::string_view program, const std::vector<std::string>& words,
                            std::string_view unknown) {
   const auto entry = std::ranges::find(kVerbs, bare(unknown), &OtherWord::there);
   if (entry == std::end(kVerbs)) return "";
   const std::size_t place = entry->here.find(" {}");
   // Without a structure, a sample makes the advice a command that runs.
-  const std::string given = words.empty() ? "--sample ubiquitin" : in_shell(words);
+  const std::string given = words.empty() ? "--sample ubiquitin" : line_in_shell(words);
   return fmt::format("; type: {} {} {}{}", program, entry->here.substr(0, place), given,
                      entry->here.substr(place + 3));
 }

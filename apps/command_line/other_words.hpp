@@ -8,6 +8,9 @@
 
 namespace vdwmesh::apps {
 
+// The word as a shell takes it: between quotes where it has characters that mean something there.
+std::string in_shell(const std::string& word);
+
 // "; type: vdwmesh exact 1UBQ.pdb --probe 1.4" for words that have --probe-radius in place of
 // --probe; with a reason before that for an option that is left out; empty for others.
 // `command` is the program and the verb, `words` follow it, `unknown` is the option among them, and
@@ -18,5 +21,10 @@ std::string advice_on_option(std::string_view command, const std::vector<std::st
 // The same for the first word, which is no verb; `words` follow it.
 std::string advice_on_verb(std::string_view program, const std::vector<std::string>& words,
                            std::string_view unknown);
+
+// What to type in Python where one of the words is a trajectory (.xtc .trr .dcd .nc) and another
+// one its structure or topology; empty if none is a trajectory. The line is whole, without a
+// beginning.
+std::string advice_on_trajectory(const std::vector<std::string>& words);
 
 }  // namespace vdwmesh::apps

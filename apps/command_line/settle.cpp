@@ -76,7 +76,8 @@ void settle_input(Draft& d) {
 
 // Whether triangles are coloured by a number.
 bool shows_values(std::optional<ColorBy> color) {
-  return color == ColorBy::distance || color == ColorBy::angle || color == ColorBy::b_factor ||
+  return color == ColorBy::distance || color == ColorBy::angle || color == ColorBy::hydropathy ||
+         color == ColorBy::exposure || color == ColorBy::b_factor ||
          color == ColorBy::mean_curvature || color == ColorBy::gaussian_curvature;
 }
 
@@ -98,7 +99,7 @@ void settle_render(const Draft& d) {
             : excluded ? ", mean-curvature or gaussian-curvature"
                        : " or distance");
   if (!of_mesh) return;
-  refuse_if(color == ColorBy::element || color == ColorBy::distance || color == ColorBy::b_factor,
+  refuse_if(color && (is_of_atoms(*color) || color == ColorBy::distance),
             "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
             "colours it by distance");
   for (const auto& [name, group] : d.given) {
@@ -127,8 +128,8 @@ void settle_exact(Draft& d) {
     m.method = UnionMethod::arcs, m.topology = m.topology.value_or(TopologyRequest::counts);
   const bool fast = d.verb == kBatch && d.options.batch.verb == BatchVerb::exact &&
                     m.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
-  const bool of_excluded = d.verb == kInterface && m.surface == SurfaceChoice::ses;
-  if (d.verb == kInterface && is_given(d, "--surface"))
+  const bool of_excluded = is_of_interfaces(d) && m.surface == SurfaceChoice::ses;
+  if (is_of_interfaces(d) && is_given(d, "--surface"))
     refuse_if(
         m.surface == SurfaceChoice::vdw,
         "--surface vdw: balls without a probe bury nothing that a solvent sees; choose sas or "
@@ -151,7 +152,7 @@ void settle_exact(Draft& d) {
 
 // What of the program does not go with the excluded surface, beside what its request refuses.
 void settle_excluded(const Draft& d) {
-  if (d.options.exact.surface != ExactSurface::excluded || d.verb == kInterface) return;
+  if (d.options.exact.surface != ExactSurface::excluded || is_of_interfaces(d)) return;
   const std::string other = first_given(d, {"--measure", "--voids", "--rsa"});
   refuse_if(!other.empty(), "{}: does not go with --surface ses; leave one of them out", other);
   refuse_if(d.options.output.b_factor == AtomFigure::exposure,
@@ -263,12 +264,18 @@ void settle_picture(const Draft& d) {
 void settle_batch_verb(const Draft& d) {
   const bool of_interfaces = is_of_interfaces(d);
   refuse_if(is_given(d, "--sums") && !is_of_pockets(d), "--sums: is of --verb pockets; add that");
-  if (d.options.batch.verb == BatchVerb::report) return;
+  const bool of_report = d.options.batch.verb == BatchVerb::report;
+  refuse_if(of_report && d.measure.surface == SurfaceChoice::ses,
+            "--surface ses: rows of --verb report are of other surfaces; leave one of them out");
+  refuse_if(is_of_pockets(d) && is_given(d, "--surface"),
+            "--surface: does not go with --verb pockets; leave it out");
+  if (of_report) return;
   for (const auto& [name, group] : d.given) {
     const bool of_union = name == "--measure" || name == "--method" || name == "--topology";
     refuse_if((of_interfaces || is_of_pockets(d)) && of_union,
               "{}: does not go with --verb {}; leave it out", name, name_of(d.options.batch.verb));
     if (of_interfaces && (name == "--samples" || name == "--seed")) continue;
+    if (name == "--surface") continue;
     const bool of_mesh = group == kSurfaceGroup || name == "--distances" || name == "--samples" ||
                          name == "--seed" || name == "--self-intersections" ||
                          name == "--cgal-check";
@@ -328,6 +335,12 @@ void settle_axes(const Draft& d) {
 // The axes of a study are in order whatever was typed, and so are its table and its page.
 void settle_study(Draft& d) {
   StudyOptions& study = d.options.study;
+  const std::filesystem::path folder = study.folder;
+  const std::string extension = lower_case(folder.extension().string());
+  refuse_if(
+      d.verb == kStudy && (extension == ".html" || extension == ".csv" || extension == ".json"),
+      "-o {}: a study is a folder of a page and tables; name a folder, such as {}", folder.string(),
+      folder.stem().string());
   for (const char* name : {kStudyTable, kStudyDocument, kStudyPage}) {
     if (d.verb == kStudy) d.files.add_output_in("-o", study.folder, name);
   }

@@ -20,6 +20,7 @@
 #include "report/csv.hpp"
 #include "report/output.hpp"
 #include "report/per_atom.hpp"
+#include "report/sphere_file.hpp"
 #include "request/refuse.hpp"
 #include "structure/reference_areas.hpp"
 
@@ -42,6 +43,17 @@ std::string void_table_csv(const Molecule& molecule, const std::vector<Void>& vo
                        v.center.y, v.center.z, v.clearance, v.lining.size(), csv_field(lining));
   }
   return csv;
+}
+
+// A sphere for each void: that of the largest probe which the atoms let in at its centre.
+std::string void_spheres(const std::vector<Void>& voids, double probe, SphereFormat format) {
+  std::vector<SphereGroup> groups;
+  for (const Void& v : voids)
+    groups.push_back({.kind = "void",
+                      .number = groups.size() + 1,
+                      .figure = fmt::format("{} Å³", v.volume),
+                      .spheres = {{v.center, v.clearance + probe}}});
+  return sphere_file(groups, "voids", format);
 }
 
 // Components that fell between the grid nodes would otherwise be lost without a word. Of a mesh
@@ -217,11 +229,14 @@ void write_excluded_gradient(const OutputOptions& output, VerbSession& session) 
   session.end_stage(&Timing::write);
 }
 
-void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {
+void write_voids(const OutputOptions& output, const Molecule& molecule, double probe,
+                 VerbSession& session) {
   if (output.voids.empty()) return;
   session.end_progress();
+  const std::vector<Void>& voids = session.report.exact->topology.value().void_table;
+  const auto format = find_sphere_format(output.voids);
   write_output(output.voids,
-               void_table_csv(molecule, session.report.exact->topology.value().void_table));
+               format ? void_spheres(voids, probe, *format) : void_table_csv(molecule, voids));
   session.end_stage(&Timing::write);
 }
 

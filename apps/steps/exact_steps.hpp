@@ -46,9 +46,10 @@ void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbS
 // The same of the excluded surface in the report.
 void write_excluded_gradient(const OutputOptions& output, VerbSession& session);
 
-// Writes the table of voids if --voids names a file. Precondition: the exact union is in the
-// report.
-void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session);
+// Writes the table of voids, or a sphere for each where viewers take such a file, if --voids names
+// one. Precondition: the exact union is in the report.
+void write_voids(const OutputOptions& output, const Molecule& molecule, double probe,
+                 VerbSession& session);
 
 // Adds the polar and apolar parts of the exact area. Precondition: the exact union is in the
 // report.

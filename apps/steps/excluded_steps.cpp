@@ -161,9 +161,8 @@ void draw_excluded(const PatchedMesh& mesh, const Molecule& molecule, const Pict
     const ColorBy color = options.color.value_or(ColorBy::element);
     if (is_of_patches(color)) return paint_by_patch(shown, mesh, options);
     if (color == ColorBy::angle) return paint_by_angle(shown, options);
-    if (color == ColorBy::b_factor) return paint_by_b_factor(shown, molecule, options);
     if (color == ColorBy::plain) return options.plain;
-    return paint_by_element(shown, molecule);
+    return paint_by_atom(shown, molecule, options, session);
   };
   draw_mesh(split, painter, options, session);
 }

@@ -9,12 +9,13 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
-#include "mesh/element_color.hpp"
 #include "render/crease_split.hpp"
 #include "report/output.hpp"
 #include "request/refuse.hpp"
+#include "steps/atom_colors.hpp"
 #include "steps/exact_steps.hpp"
 #include "steps/stopwatch.hpp"
+#include "structure/reference_areas.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -99,38 +100,54 @@ VertexValues paint_by_curvature(const IndexedMesh& shown, const PatchedMesh& mes
   return {std::move(values), std::move(scale)};
 }
 
-}  // namespace
-
-Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
-  std::vector<Rgb> atoms;
-  atoms.reserve(molecule.atoms.size());
-  for (const Atom& atom : molecule.atoms) {
-    const auto c = element_color(atom.element);
-    atoms.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255,
-                     static_cast<float>(c[2]) / 255});
-  }
-  VertexColors paint;
-  paint.colors.resize(mesh.vertex_count());
-  std::ranges::transform(mesh.vertex_spheres.atoms, paint.colors.begin(),
-                         [&](SphereId atom) { return atoms.at(atom); });
-  return paint;
+// From 0 on, unless some are negative.
+ColorScale scale_of_b_factors(const std::vector<float>& values, const PictureOptions& options) {
+  const double bound = symmetric_bound(values, kInside);
+  const bool has_negative = std::ranges::any_of(values, [](float b) { return b < 0; });
+  return scale_for(values, has_negative ? ColorMap::cool_warm : ColorMap::viridis,
+                   {has_negative ? -bound : 0, bound}, "B factor of each atom", options);
 }
 
-// From 0 on, unless some are negative.
-Paint paint_by_b_factor(const IndexedMesh& mesh, const Molecule& molecule,
-                        const PictureOptions& options) {
-  constexpr std::string_view kWith[] = {"pdb", "mmcif", "bcif"};
-  refuse_if(std::ranges::count(kWith, molecule.format) == 0,
-            "--color b-factor: {} is a file of kind {}, which has none; name a PDB or mmCIF file",
-            molecule.path, molecule.format);
-  VertexValues paint;
-  paint.values.resize(mesh.vertex_count());
-  std::ranges::transform(mesh.vertex_spheres.atoms, paint.values.begin(),
-                         [&](SphereId atom) { return molecule.atoms.at(atom).b_factor; });
-  const double bound = symmetric_bound(paint.values, kInside);
-  const bool has_negative = std::ranges::any_of(paint.values, [](float b) { return b < 0; });
-  paint.scale = scale_for(paint.values, has_negative ? ColorMap::cool_warm : ColorMap::viridis,
-                          {has_negative ? -bound : 0, bound}, "B factor of each atom", options);
+}  // namespace
+
+void check_references(const PictureOptions& options, const Molecule& molecule) {
+  refuse_if(options.color == ColorBy::exposure && !reference_areas(molecule.radius_set, "LEU"),
+            "--color exposure: extended residues are known for three sets of radii; add --radii "
+            "protor (or naccess, oons)");
+}
+
+Paint paint_by_atom(const IndexedMesh& mesh, const Molecule& molecule,
+                    const PictureOptions& options, Session& session) {
+  const ColorBy color = options.color.value_or(ColorBy::element);
+  const auto of_vertices = [&mesh](const auto& of_atoms, auto& vertices) {
+    vertices.resize(mesh.vertex_count());
+    std::ranges::transform(mesh.vertex_spheres.atoms, vertices.begin(),
+                           [&](SphereId atom) { return of_atoms.at(atom); });
+  };
+  VertexValues values;
+  if (color == ColorBy::hydropathy) {
+    of_vertices(atom_hydropathies(molecule), values.values);
+    values.scale = scale_for(values.values, ColorMap::cool_warm, {-4.5, 4.5},
+                             "Hydropathy, Kyte-Doolittle (positive: hydrophobic)", options);
+    return values;
+  }
+  if (color == ColorBy::exposure) {
+    of_vertices(atom_exposures(molecule, session.monitor), values.values);
+    values.scale = scale_for(values.values, ColorMap::viridis, {0, 100},
+                             "Exposure of the residue, % of an extended one", options);
+    return values;
+  }
+  if (color == ColorBy::b_factor) {
+    of_vertices(atom_b_factors(molecule), values.values);
+    values.scale = scale_of_b_factors(values.values, options);
+    return values;
+  }
+  const AtomColors atoms = color == ColorBy::chain     ? colors_of_chains(molecule)
+                           : color == ColorBy::residue ? colors_of_residues(molecule)
+                                                       : colors_of_elements(molecule);
+  if (!atoms.key.empty()) session.report.note("colours: {}", atoms.key);
+  VertexColors paint;
+  of_vertices(atoms.colors, paint.colors);
   return paint;
 }
 

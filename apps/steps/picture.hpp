@@ -15,11 +15,14 @@ namespace vdwmesh::apps {
 // What the surface is painted with is chosen when it is known which mesh is drawn.
 using Painter = std::function<Paint(const IndexedMesh&)>;
 
-// CPK colours of the vertices' atoms.
-Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
-// The B factor of each vertex's atom. Throws InvalidInput where the format has none.
-Paint paint_by_b_factor(const IndexedMesh& mesh, const Molecule& molecule,
-                        const PictureOptions& options);
+// Throws InvalidInput where options.color asks for the exposure of residues, and the radii have no
+// references for it.
+void check_references(const PictureOptions& options, const Molecule& molecule);
+
+// The vertices' atoms, as options.color says: their CPK colours by default. Exposures are measured
+// for it. A note says which colour is whose where that is no scale of numbers.
+Paint paint_by_atom(const IndexedMesh& mesh, const Molecule& molecule,
+                    const PictureOptions& options, Session& session);
 // Signed distance of every triangle's centre to the boundary of the union: where a mesh has its
 // vertices on the surface, its error is between them.
 Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,

@@ -115,12 +115,13 @@ void read_background(std::string_view option, const std::string& text, PictureOp
 
 void read_color(std::string_view option, const std::string& text, PictureOptions& options) {
   constexpr std::string_view kKnown[] = {
-      "element", "distance", "angle", "b-factor", "kind", "mean-curvature", "gaussian-curvature",
-      "white",   "black",    "grey",  "#rrggbb"};
+      "element",  "chain", "residue", "hydropathy",     "exposure",           "b-factor",
+      "distance", "angle", "kind",    "mean-curvature", "gaussian-curvature", "white",
+      "black",    "grey",  "#rrggbb"};
   constexpr ColorBy kColorings[] = {
-      ColorBy::element,           ColorBy::distance, ColorBy::angle,
-      ColorBy::b_factor,          ColorBy::kind,     ColorBy::mean_curvature,
-      ColorBy::gaussian_curvature};
+      ColorBy::element,  ColorBy::chain,          ColorBy::residue,           ColorBy::hydropathy,
+      ColorBy::exposure, ColorBy::b_factor,       ColorBy::distance,          ColorBy::angle,
+      ColorBy::kind,     ColorBy::mean_curvature, ColorBy::gaussian_curvature};
   const auto named = std::ranges::find(kKnown, text) - std::begin(kKnown);
   const std::optional<Rgb> plain = color_of(text);
   if (plain) options.plain = *plain;

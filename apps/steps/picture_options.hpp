@@ -10,9 +10,15 @@
 
 namespace vdwmesh::apps {
 
-// The kind of patch and the curvatures are those of --surface ses.
+// The kind of patch and the curvatures are those of --surface ses. `residue` is the kind of
+// residue, `hydropathy` Kyte and Doolittle's, `exposure` the relative accessible area of the
+// residue.
 enum class ColorBy {
   element,
+  chain,
+  residue,
+  hydropathy,
+  exposure,
   b_factor,
   distance,
   angle,
@@ -26,6 +32,9 @@ constexpr bool is_of_patches(ColorBy color) {
   return color == ColorBy::kind || color == ColorBy::mean_curvature ||
          color == ColorBy::gaussian_curvature;
 }
+
+// What atoms alone know, which mesh files do not have.
+constexpr bool is_of_atoms(ColorBy color) { return color <= ColorBy::b_factor; }
 
 // Bounds of a colour scale.
 struct ColorRange {

@@ -1,6 +1,6 @@
-// The steps of `vdwmesh report` and `interface`, for one structure of many. Each structure has a
-// session of its own, without a progress bar. Its steps run on the thread of the worker, and other
-// threads help only when they have no structure left.
+// The steps of `vdwmesh report` and `interface`, and of excluded surfaces, for one structure of
+// many. Each structure has a session of its own, without a progress bar. Its steps run on the
+// thread of the worker, and other threads help only when they have no structure left.
 #include "verbs/batch_report.hpp"
 
 #include <limits>
@@ -8,6 +8,7 @@
 
 #include "steps/edge_lengths.hpp"
 #include "steps/exact_steps.hpp"
+#include "steps/excluded_steps.hpp"
 #include "steps/interface_steps.hpp"
 #include "steps/measured_mesh.hpp"
 #include "steps/steps.hpp"
@@ -74,7 +75,32 @@ void interfaces_into(InterfaceRow& row, const NamedStructure& source, const Opti
   row.warnings = std::move(session.report.warnings);
 }
 
+void excluded_into(ExcludedRow& row, const NamedStructure& source, const Options& options,
+                   const BatchOptions& one) {
+  Session session = session_of(options, one);
+  const InputOptions& input = options.inputs.front();
+  const Structure structure = read_into(row, source, input, one, session);
+  one.check(structure.spheres);
+  measure_excluded(structure.molecule, input.probe, options.exact, Switch::off, session);
+  const ExcludedSurface& complete = session.report.excluded->complete;
+  row.area = complete.area, row.volume = complete.volume;
+  row.euler_characteristic = complete.euler_characteristic;
+  if (complete.topology) {
+    const ShellFigures figures = shell_figures(*complete.topology);
+    row.components = figures.outer, row.voids = figures.walls;
+    row.tunnels = static_cast<std::uint64_t>(figures.genus);
+  }
+  row.excluded = std::move(session.report.excluded);
+  row.warnings = std::move(session.report.warnings);
+}
+
 }  // namespace
+
+ExcludedRow make_excluded_row(const NamedStructure& structure, const Options& options,
+                              const BatchOptions& one) {
+  return row_of<ExcludedRow>(
+      structure, [&](ExcludedRow& row) { excluded_into(row, structure, options, one); });
+}
 
 InterfaceRow make_interface_row(const NamedStructure& structure, const Options& options,
                                 const BatchOptions& one) {

@@ -1,4 +1,4 @@
-// Rows of `vdwmesh batch` for the verbs report and interface.
+// Rows of `vdwmesh batch` for the verbs report and interface, and of excluded surfaces.
 #pragma once
 
 #include <optional>
@@ -21,6 +21,12 @@ struct InterfaceRow : BatchRow {
   Switch fit = Switch::off;  // whether shape complementarity was asked for
 };
 
+// The excluded surface of a structure. Area and volume of the row are those of the complete one,
+// and so are the counts of its topology; there is no method.
+struct ExcludedRow : BatchRow {
+  std::optional<ExcludedMeasures> excluded;
+};
+
 // Reads the structure, and makes and compares its mesh, on the CPU. Of `one`, the options of
 // reading and the check are used. The figures are those of `vdwmesh report`, but for the time that
 // the crease-exact mesher took: rows do not depend on the machine. A structure that is refused has
@@ -31,5 +37,10 @@ ReportRow make_report_row(const NamedStructure& structure, const Options& option
 // Reads the structure and measures the interfaces of its chains. One of a single chain is refused.
 InterfaceRow make_interface_row(const NamedStructure& structure, const Options& options,
                                 const BatchOptions& one);
+
+// Reads the structure and measures its excluded surface: the figures of `vdwmesh exact --surface
+// ses`.
+ExcludedRow make_excluded_row(const NamedStructure& structure, const Options& options,
+                              const BatchOptions& one);
 
 }  // namespace vdwmesh::apps

@@ -46,6 +46,12 @@ void describe_figures(A& a, const BatchRow& row) {
 }
 
 template <class A>
+void describe_figures(A& a, const ExcludedRow& row) {
+  describe_figures(a, static_cast<const BatchRow&>(row));
+  a("excluded", row.excluded);
+}
+
+template <class A>
 void describe_figures(A& a, const ReportRow& row) {
   describe_figures(a, static_cast<const BatchRow&>(row));
   a("mesh", row.mesh), a("comparison", row.comparison);
@@ -162,6 +168,13 @@ std::vector<std::string> radius_files(const std::string& radii) {
 
 }  // namespace
 
+RowWriter::RowWriter(const Options& options)
+    : verb_(options.batch.verb),
+      surface_(options.exact.surface),
+      format_(options.batch.rows),
+      fit_(options.distances.distances),
+      settings_(settings_key(options)) {}
+
 std::string RowWriter::header() const {
   if (format_ != RowFormat::csv) return {};
   if (verb_ == BatchVerb::report) return csv_row(ReportRow{}, "").names() + '\n';
@@ -171,10 +184,15 @@ std::string RowWriter::header() const {
     return csv_row(row, "").names() + '\n';
   }
   if (verb_ == BatchVerb::pockets) return csv_row(PocketsRow{}, "").names() + '\n';
+  if (surface_ == ExactSurface::excluded) return csv_row(ExcludedRow{}, "").names() + '\n';
   return csv_row(BatchRow{}, "").names() + '\n';
 }
 
 std::string RowWriter::text(const BatchRow& row) const { return line_of(row, format_, settings_); }
+
+std::string RowWriter::text(const ExcludedRow& row) const {
+  return line_of(row, format_, settings_);
+}
 
 std::string RowWriter::text(const ReportRow& row) const { return line_of(row, format_, settings_); }
 
@@ -214,6 +232,7 @@ std::string settings_key(const Options& options) {
   for (const std::string& file : radius_files(r.radii)) {
     all += '\n' + content_of({file, std::nullopt, ""}).value_or("");
   }
+  if (options.exact.surface == ExactSurface::excluded) all += "\nexcluded";
   if (options.batch.verb == BatchVerb::report) all += '\n' + mesh_settings(options);
   if (options.batch.verb == BatchVerb::interface)
     all += fmt::format("\ninterface\n{}\n{}\n{}", name_of(options.distances.distances),

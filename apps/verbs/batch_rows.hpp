@@ -15,14 +15,13 @@ namespace vdwmesh::apps {
 // Writes rows of one kind. Each ends with a line break and holds no other.
 class RowWriter {
  public:
-  // `settings` says which options made the rows; it is part of each. `fit`: whether rows of
-  // interfaces have shape complementarity.
-  RowWriter(const BatchChoice& choice, Switch fit, std::string settings)
-      : verb_(choice.verb), format_(choice.rows), fit_(fit), settings_(std::move(settings)) {}
+  // The options say what rows are made of; settings_key() of them is part of each.
+  explicit RowWriter(const Options& options);
 
   // The line before the first row; empty if there is none.
   std::string header() const;
   std::string text(const BatchRow& row) const;
+  std::string text(const ExcludedRow& row) const;
   std::string text(const ReportRow& row) const;
   std::string text(const InterfaceRow& row) const;
   std::string text(const PocketsRow& row) const;
@@ -34,8 +33,9 @@ class RowWriter {
 
  private:
   BatchVerb verb_;
+  ExactSurface surface_;
   RowFormat format_;
-  Switch fit_;
+  Switch fit_;  // whether rows of interfaces have shape complementarity
   std::string settings_;
 };
 

@@ -206,7 +206,9 @@ BatchOptions options_of_one(const Options& options, Monitor* monitor) {
 std::uint64_t make_rows_of_verb(StructureSource& source, std::uint64_t most, const Options& options,
                                 Monitor* monitor, const auto& on_row) {
   const BatchOptions one = options_of_one(options, monitor);
-  if (options.batch.verb == BatchVerb::exact) return run_batch(source, most, one, on_row);
+  const bool excluded = options.exact.surface == ExactSurface::excluded;
+  if (options.batch.verb == BatchVerb::exact && !excluded)
+    return run_batch(source, most, one, on_row);
   const auto rows_of = [&](const auto& make_row) {
     using Row = decltype(make_row(NamedStructure(), options, one));
     return make_rows<Row>(
@@ -215,6 +217,7 @@ std::uint64_t make_rows_of_verb(StructureSource& source, std::uint64_t most, con
   };
   if (options.batch.verb == BatchVerb::interface) return rows_of(make_interface_row);
   if (options.batch.verb == BatchVerb::pockets) return rows_of(make_pockets_row);
+  if (options.batch.verb == BatchVerb::exact) return rows_of(make_excluded_row);
   return rows_of(make_report_row);
 }
 
@@ -239,7 +242,7 @@ void run_batch_verb(const Options& options) {
   Source source(open_structures(inputs, of_source));
   skip(source, part.first);
 
-  const RowWriter writer(choice, options.distances.distances, settings_key(options));
+  const RowWriter writer(options);
   const std::string header = choice.shard.number == 1 ? writer.header() : "";
   RowFile file(choice.output);
   KeptRows kept;

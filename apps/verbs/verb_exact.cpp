@@ -63,7 +63,7 @@ void run_exact(const Options& options) {
       options.output.per_atom, [&] { return per_atom_csv(table); }, session);
   write_table(
       options.output.residues, [&] { return residue_areas_text(table); }, session);
-  write_voids(options.output, molecule, session);
+  write_voids(options.output, molecule, input.probe, session);
   write_gradient(options.output, spheres, session);
   write_depths(options.output, molecule, input.probe, session);
   write_atoms(options.output, molecule, input.probe, session);

@@ -1,12 +1,16 @@
 // `vdwmesh mesh`: from a structure to a mesh file. Memory is checked before the mesh is made, from
 // an estimate, and again when its size is known. The mesh is measured while its file is written.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <future>
 #include <string>
 #include <vector>
 
 #include "analysis/mesh_measures.hpp"
 #include "command_line/command_line.hpp"
+#include "command_line/other_words.hpp"
 #include "interrupt.hpp"
 #include "memory_plan.hpp"
 #include "mesh/connect/edge_buckets.hpp"
@@ -67,6 +71,18 @@ PatchedMesh make_excluded(const Structure& structure, const Options& options, Se
   return made;
 }
 
+// The commands by which Gmsh fills the surface with tetrahedra: its format has no word for that.
+std::string filled_by_gmsh(std::filesystem::path path) {
+  const std::string merge = fmt::format(
+      "Merge \"{}\"; Surface Loop(1) = Surface{{:}}; Volume(1) = {{1}}; Physical Volume(1) = "
+      "{{1}};",
+      path.filename().string());
+  const std::string script = in_shell(path.replace_extension(".geo").string()),
+                    volume = in_shell(path.replace_extension(".volume.msh").string());
+  return fmt::format("Gmsh fills it with tetrahedra: echo {} > {}; gmsh {} -3 -o {}",
+                     in_shell(merge), script, script, volume);
+}
+
 // Writes the file and measures the mesh meanwhile. A note says what the format cannot hold.
 void write(const PatchedMesh& made, const Options& options, const Structure& structure,
            Session& session) {
@@ -100,11 +116,14 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
                     : ": does not say which patch each triangle is part of, nor curvatures; PLY "
                       "does, and MSH has the patches"));
   }
-  const bool has_spheres = is_ply || format == MeshFormat::msh || format == MeshFormat::vtp;
+  const bool has_spheres =
+      is_ply || format == MeshFormat::msh || format == MeshFormat::vtp || format == MeshFormat::vtu;
   if (!made.mesh.triangle_spheres.empty() && !has_spheres) {
     report.notes.push_back(
-        path + ": does not say which sphere each triangle is part of; PLY, MSH and VTP do");
+        path + ": does not say which sphere each triangle is part of; PLY, MSH, VTP and VTU do");
   }
+  if (format == MeshFormat::msh && result.topology.closed)
+    report.notes.push_back(filled_by_gmsh(path));
   result.path = path;
   session.end_stage(&Timing::write);
 }

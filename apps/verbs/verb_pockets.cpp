@@ -121,7 +121,8 @@ void write_for_viewers(const std::string& path, const Report& report) {
   const auto groups = report.scan  ? spheres_of(*report.scan)
                       : report.way ? spheres_of(*report.way)
                                    : spheres_of(*report.pockets);
-  write_file(path, sphere_file(groups, *format));
+  const char* all = report.scan ? "places" : report.way ? "ways" : "pockets";
+  write_file(path, sphere_file(groups, all, *format));
 }
 
 }  // namespace

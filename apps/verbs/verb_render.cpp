@@ -45,9 +45,8 @@ void check_memory(const SphereSet& spheres, const Options& options) {
 Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const PictureOptions& picture,
                 Session& session) {
   const ColorBy color = picture.color.value_or(ColorBy::element);
-  if (color == ColorBy::element) return paint_by_element(mesh, structure.molecule);
+  if (is_of_atoms(color)) return paint_by_atom(mesh, structure.molecule, picture, session);
   if (color == ColorBy::angle) return paint_by_angle(mesh, picture);
-  if (color == ColorBy::b_factor) return paint_by_b_factor(mesh, structure.molecule, picture);
   if (color == ColorBy::plain) return picture.plain;
   return paint_by_distance(mesh, structure.spheres, picture, session);
 }
@@ -56,6 +55,7 @@ Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const Pictu
 void draw_excluded_surface(const Options& options, Session& session) {
   const InputOptions& input = options.inputs.front();
   const Molecule molecule = load_molecule(input, session);
+  check_references(options.picture, molecule);
   const PatchedMesh mesh = make_excluded_mesh(molecule, input.probe, options.surface, session);
   draw_excluded(mesh, molecule, options.picture, session);
 }
@@ -63,6 +63,7 @@ void draw_excluded_surface(const Options& options, Session& session) {
 // Where triangles know their spheres, creases are drawn sharp.
 void draw_structure(const Options& given, Session& session) {
   const Structure structure = load(given.inputs.front(), session);
+  check_references(given.picture, structure.molecule);
   const Options options = with_edge_lengths(given, structure);
   check_memory(structure.spheres, options);
   const IndexedMesh mesh = make_mesh(structure.spheres, options.surface, session);

@@ -105,7 +105,7 @@ void run_report(const Options& options) {
                                mesh_area_by_sphere(mesh, spheres.size()), options.output.group}));
     session.end_stage(&Timing::write);
   }
-  write_voids(options.output, molecule, session);
+  write_voids(options.output, molecule, input.probe, session);
   session.deliver_report(options.output);
 }
 

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from vdwmesh._molecule import Molecule, radii_of, read, sample
     from vdwmesh._pocket_frames import PocketFrame, pocket_frames, pocket_table
     from vdwmesh._pockets import Mouth, Pocket, pockets
-    from vdwmesh._residues import ResidueAreas, residue_areas
+    from vdwmesh._residues import ResidueAreas, residue_areas, residue_table
     from vdwmesh.errors import (
         BackendUnavailable,
         CudaError,
@@ -113,6 +113,7 @@ __all__ = [
     "radii_of",
     "read",
     "residue_areas",
+    "residue_table",
     "sample",
     "sasa",
     "signed_distance",
@@ -135,7 +136,7 @@ _HOMES = {
     "_molecule": "Molecule radii_of read sample",
     "_pocket_frames": "PocketFrame pocket_frames pocket_table",
     "_pockets": "Mouth Pocket pockets",
-    "_residues": "ResidueAreas residue_areas",
+    "_residues": "ResidueAreas residue_areas residue_table",
     "errors": "BackendUnavailable CudaError Error FileFormatError FileMissing "
     "InternalError InvalidInput LimitExceeded",
 }

@@ -1,19 +1,22 @@
-"""Accessible areas of residues, as a table with their names."""
+"""Accessible areas of residues, as a table with their names, of one structure or of frames."""
 
 from __future__ import annotations
 
+import csv
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
 
 from vdwmesh import _core
-from vdwmesh._arrays import Brief, number
+from vdwmesh._arrays import Brief, number, radius_set
 from vdwmesh._exact import numbered, sasa
+from vdwmesh._frames import frames
 from vdwmesh._molecule import Molecule, raw
-from vdwmesh._sources import atoms_of
+from vdwmesh._sources import Atoms, atoms_of
+from vdwmesh._trajectories import Chunk, Trajectory, Window, some_atoms, trajectory_of
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -102,18 +105,101 @@ def residue_areas(
         raise InvalidInput("coords: has several frames; sasa(..., mode='residue') takes them")
     numbers, count = numbered(labels, len(atoms.resnames))
     first = np.unique(numbers, return_index=True)[1]
-    resnames = _texts(atoms.resnames)[first]
-    radius_set = named or (coords.radius_set if isinstance(coords, Molecule) else "bondi")
-    is_comparable = number("probe", probe) == _core.reference_probe
-    references = [_core.reference_area(radius_set, raw(name)) if is_comparable else None for name in resnames]
+    chains, resids, resnames = _names(atoms, count, first)
+    set_name = named or (coords.radius_set if isinstance(coords, Molecule) else "bondi")
     return ResidueAreas(
-        chains=_texts(atoms.chains, count, first),
-        resids=np.char.add(_texts(atoms.resids, count, first), _texts(atoms.icodes, count, first)),
+        chains=chains,
+        resids=resids,
         resnames=resnames,
         atoms=np.bincount(numbers).astype(np.uint32),
         area=areas,
-        relative=areas / np.array([np.nan if one is None else one for one in references]),
+        relative=areas / _references(set_name, resnames, probe),
     )
+
+
+def residue_table(
+    traj: Any,
+    path: str | os.PathLike[str],
+    *,
+    radii: str | os.PathLike[str] = "protor",
+    probe: float = 1.4,
+    select: Any = None,
+    start: int | None = None,
+    stop: int | None = None,
+    step: int | None = None,
+    **options: Any,
+) -> int:
+    """Write the accessible areas of the residues in each frame of a trajectory, as CSV: a row for each frame and residue.
+
+    Parameters
+    ----------
+    traj, select, start, stop, step
+        As of `frames`; what has residues: of MDAnalysis or mdtraj.
+    path : path
+        Of the table, which is written frame by frame. `relative` is as of `ResidueAreas`, and empty
+        where that is NaN.
+    radii : the name of a set or a path
+        Hydrogens are left out where its radii include them, as `read` does.
+    probe : float
+        Å.
+    **options
+        As of `frames`: ``chunk``, ``threads``, ``device``.
+
+    Returns
+    -------
+    int
+        The number of frames.
+
+    Raises
+    ------
+    InvalidInput
+        As of `frames`; or what is given has no residues.
+    """
+    given = trajectory_of(traj, select, Window.of(start, stop, step))
+    if given.atoms.residues is None or given.atoms.resnames is None:
+        raise InvalidInput("traj: has no residues; give a Universe of MDAnalysis or a trajectory of mdtraj")
+    if _core.RadiusTable(radius_set("radii", radii)).is_united():
+        given = _without_hydrogens(given)
+    numbers, count = numbered(_plain(given.atoms.residues), given.count)
+    first = np.unique(numbers, return_index=True)[1]
+    names = _names(given.atoms, count, first)
+    references = _references(os.fspath(radii), names[2], probe)
+    done = 0
+    measured = frames(given, radii=os.fspath(radii), surface="sas", probe=probe, per_atom=True, **options)
+    with open(path, "w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(("frame", "time", "chain", "resid", "resname", "area", "relative"))
+        for done, one in enumerate(measured, 1):
+            areas = np.bincount(numbers, weights=one.atom_area)
+            shares = ["" if np.isnan(share) else share for share in (areas / references).tolist()]
+            for row in zip(*names, areas.tolist(), shares):
+                table.writerow((one.frame, one.time, *row))
+    return done
+
+
+def _without_hydrogens(given: Trajectory) -> Trajectory:
+    if given.atoms.elements is None:
+        return given
+    symbols = [str(element).strip().upper() for element in given.atoms.elements]
+    kept = np.flatnonzero([symbol not in ("H", "D") for symbol in symbols]).astype(np.uint32)
+
+    def chunks(size: int) -> Iterator[Chunk]:
+        return (replace(part, coords=np.asarray(part.coords)[:, kept]) for part in given.chunks(size))
+
+    return replace(given, atoms=some_atoms(given.atoms, kept), count=len(kept), chunks=chunks)
+
+
+def _names(atoms: Atoms, count: int, first: Any) -> tuple[Strings, Strings, Strings]:
+    """Chains, numbers with insertion codes, and names of residues, of which these are the first atoms."""
+    resids = np.char.add(_texts(atoms.resids, count, first), _texts(atoms.icodes, count, first))
+    return _texts(atoms.chains, count, first), resids, _texts(atoms.resnames)[first]
+
+
+def _references(set_name: str, resnames: Strings, probe: float) -> Floats:
+    """Areas of the residues in extended tripeptides, Å²; NaN where there are none."""
+    is_comparable = number("probe", probe) == _core.reference_probe
+    found = [_core.reference_area(set_name, raw(name)) if is_comparable else None for name in resnames]
+    return np.array([np.nan if one is None else one for one in found])
 
 
 def _plain(labels: Any) -> list[Any]:

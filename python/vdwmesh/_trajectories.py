@@ -86,6 +86,8 @@ class Window(NamedTuple):
 
 def trajectory_of(traj: Any, select: Any, window: Window) -> Trajectory:
     """The frames of the argument `traj`, whatever it is."""
+    if isinstance(traj, Trajectory):
+        return traj
     if isinstance(traj, (str, os.PathLike)):
         raise InvalidInput(
             f"traj: {os.fspath(traj)!r} is a path; give what a reader makes of it, such as "
@@ -126,7 +128,7 @@ def _of_array(
 
     count = coords.shape[1] if selected is None else len(selected)
     return Trajectory(
-        _some(atoms, selected), count, coords.shape[1], selected, _not_empty(len(numbers)), chunks
+        some_atoms(atoms, selected), count, coords.shape[1], selected, _not_empty(len(numbers)), chunks
     )
 
 
@@ -212,7 +214,7 @@ def _of_stream(traj: Iterable[Any], select: Any, window: Window) -> Trajectory:
     selected = _selected(select, shape[0])
     count = shape[0] if selected is None else len(selected)
     chunks = _read_ahead(lambda: chain((first,), stream), selected, count, shape)
-    return Trajectory(_some(atoms_of(item), selected), count, shape[0], selected, None, chunks)
+    return Trajectory(some_atoms(atoms_of(item), selected), count, shape[0], selected, None, chunks)
 
 
 def _frames_of(items: Iterable[Any]) -> Iterator[Frame]:
@@ -241,12 +243,12 @@ def _selected_of_mdtraj(traj: Any, select: Any) -> Any:
     return traj.topology.select(select) if isinstance(select, str) else select
 
 
-def _some(atoms: Atoms, selected: Ids | None) -> Atoms:
+def some_atoms(atoms: Atoms, selected: Ids | None) -> Atoms:
     """The selected ones, where the atoms have properties."""
     if selected is None:
         return replace(atoms, coords=None)
     columns: dict[str, Any] = {}
-    for name in ("radii", "elements", "resnames", "names", "residues"):
+    for name in ("radii", "elements", "resnames", "names", "residues", "chains", "resids", "icodes"):
         column = getattr(atoms, name)
         columns[name] = None if column is None else [column[i] for i in selected]
     return replace(atoms, coords=None, **columns)

@@ -63,7 +63,7 @@ formats::Warnings write(formats::MeshView view, MeshFormat format, ByteSink& sin
   check_writable(view);
   Buffer<Vec3f> normals;
   if (view.mesh.normals.empty() && format != MeshFormat::off && format != MeshFormat::stl &&
-      format != MeshFormat::msh) {
+      format != MeshFormat::msh && format != MeshFormat::three_mf) {
     normals = normals_of_triangles(view.mesh);
   }
   view.normals = normals.empty() ? std::span(view.mesh.normals) : std::span(normals);
@@ -89,6 +89,12 @@ formats::Warnings write(formats::MeshView view, MeshFormat format, ByteSink& sin
       break;
     case MeshFormat::vtp:
       formats::write_vtp(view, sink);
+      break;
+    case MeshFormat::vtu:
+      formats::write_vtu(view, sink);
+      break;
+    case MeshFormat::three_mf:
+      formats::write_3mf(view, sink);
       break;
   }
   return warnings;
@@ -185,13 +191,16 @@ std::optional<MeshFormat> find_mesh_format(const fs::path& path) {
   if (extension == ".glb") return MeshFormat::glb;
   if (extension == ".msh") return MeshFormat::msh;
   if (extension == ".vtp") return MeshFormat::vtp;
+  if (extension == ".vtu") return MeshFormat::vtu;
+  if (extension == ".3mf") return MeshFormat::three_mf;
   return std::nullopt;
 }
 
 MeshFormat mesh_format(const fs::path& path) {
   if (const auto format = find_mesh_format(path)) return *format;
   throw InvalidInput(fmt::format(
-      "{}: the name of a mesh file ends in .ply .obj .off .stl .glb .msh or .vtp", path.string()));
+      "{}: the name of a mesh file ends in .ply .obj .off .stl .glb .msh .vtp .vtu or .3mf",
+      path.string()));
 }
 
 std::vector<std::string> write_mesh(const IndexedMesh& mesh, const fs::path& path,
@@ -251,8 +260,10 @@ MeshFile decode_mesh(std::string_view bytes, MeshFormat format, std::uint64_t me
       return formats::read_glb(bytes, memory_limit);
     case MeshFormat::msh:
     case MeshFormat::vtp:
+    case MeshFormat::vtu:
+    case MeshFormat::three_mf:
       throw InvalidInput(
-          ".msh and .vtp are written here and not read; .ply .stl .obj .off .glb are");
+          ".msh .vtp .vtu and .3mf are written here and not read; .ply .stl .obj .off .glb are");
   }
   throw InvalidInput("no such mesh format");
 }

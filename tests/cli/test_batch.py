@@ -93,6 +93,28 @@ class Rows(BatchTest):
         exact = self.report("exact", DATA / "bpti.pdb", *options)["exact"]
         self.assertEqual((row["area"], row["volume"]), (exact["area"], exact["volume"]))
 
+    def test_of_the_excluded_surface(self):
+        """The block of a report; its figures again where those of other surfaces stand; a table has them all."""
+        paths = [DATA / "bpti.pdb", DATA / "ubiquitin.pdb"]
+        for options in (("--surface", "ses", "--topology", "off"), ("--surface", "excluded", "--topology", "full", "--probe", "1")):
+            rows = self.rows(*paths, *options)
+            for row, path in zip(rows, paths, strict=True):
+                report = self.report("exact", path, *options)
+                self.assertEqual(row["excluded"], report["excluded"])
+                complete = row["excluded"]["complete"]
+                for name in ("area", "volume", "euler_characteristic"):
+                    self.assertEqual(row[name], complete[name])
+                self.assertIsNone(row["method"])
+                if "full" in options:
+                    self.assertEqual(row["euler_characteristic"], 2 * (row["components"] - row["tunnels"] + row["voids"]))
+                    self.assertEqual(row["voids"], complete["cavities"])
+            table = run("batch", *paths, *options, "--rows", "csv").stdout
+            for cells, row in zip(csv.DictReader(io.StringIO(table)), rows, strict=True):
+                self.assertEqual(float(cells["excluded_exterior_volume"]), row["excluded"]["exterior"]["volume"])
+                self.assertEqual(float(cells["area"]), row["area"])
+        two = self.rows(*paths, "--surface", "ses", "--verb", "interface", code=1)
+        self.assertIn("chain", two[0]["error"])
+
     def test_do_not_depend_on_threads(self):
         one = run("batch", self.inputs, "--threads", "1").stdout
         self.assertEqual(len(one.splitlines()), len(self.paths))

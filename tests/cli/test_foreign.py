@@ -1,17 +1,19 @@
 """Every mesh format that is written is read by programs of others, who find the same mesh."""
 
 import collections
+import ctypes
+import locale
 import re
 import subprocess
 import unittest
 
-from program import SOURCE_DIR, ProgramTest, need_package, parse_json
+from program import SOURCE_DIR, ProgramTest, missing, need_package, parse_json
 
 # Per format, who reads it. Blank: nobody of that package.
-MESHIO_FORMATS = ("ply", "obj", "off", "stl")
+MESHIO_FORMATS = ("ply", "obj", "off", "stl", "vtu")
 VTK_FORMATS = {"ply": "vtkPLYReader", "obj": "vtkOBJReader", "stl": "vtkSTLReader",
                "glb": "vtkGLTFReader"}
-ASSIMP_FORMATS = ("ply", "obj", "off", "stl", "glb")
+ASSIMP_FORMATS = ("ply", "obj", "off", "stl", "glb", "3mf")
 MOLECULE = SOURCE_DIR / "data" / "bpti.pdb"
 SURFACES = {
     "marching cubes": ("--spacing", "1.6", "--subdivide", "1"),
@@ -170,6 +172,60 @@ class ForeignReaders(ProgramTest):
             radii = [length(tuple(a - b for a, b in zip(points[v], centers[atom]))) for v in triangle]
             self.assertLess(max(radii) - min(radii), 1e-6)
 
+    def test_vtu_has_the_cells_of_vtp(self):
+        meshio = need_package("python3-meshio", module="meshio")
+        vtk = need_package("python3-vtk9", module="vtkmodules.vtkIOXML")
+        for surface in (("--edge-length", "1.2"), ("--surface", "ses", "--density", "1")):
+            paths = {name: self.folder / f"a.{name}" for name in ("vtu", "vtp")}
+            for path in paths.values():
+                self.run_ok("mesh", MOLECULE, "-o", path, *surface)
+            mesh = meshio.read(paths["vtu"])
+            reader = vtk.vtkXMLPolyDataReader()
+            reader.SetFileName(str(paths["vtp"]))
+            reader.Update()
+            data = reader.GetOutput()
+            self.assertEqual([tuple(t) for t in mesh.get_cells_type("triangle")], list(polygons(data)))
+            self.assertEqual(sorted(mesh.cell_data), ["atom", "patch_kind"] if "ses" in surface else ["atom"])
+            for name in mesh.cell_data:
+                array = data.GetCellData().GetArray(name)
+                values = [int(array.GetValue(i)) for i in range(array.GetNumberOfTuples())]
+                self.assertEqual(mesh.get_cell_data(name, "triangle").tolist(), values)
+
+    def test_3mf(self):
+        """The library of the 3MF consortium reads it without a warning, in millimetres, and calls it fit for a printer."""
+        meshes = {}
+        for number, options in enumerate(SURFACES.values()):
+            path, json_path = self.folder / f"{number}.3mf", self.folder / "a.json"
+            self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *options)
+            meshes[path] = parse_json(json_path.read_text())["mesh"]
+        self.addCleanup(locale.setlocale, locale.LC_ALL, "")  # which the library changes
+        try:
+            library = ctypes.CDLL("lib3MF.so.1")
+        except OSError:
+            missing("VDWMESH_REQUIRE_PACKAGES", "lib3mf1 is not installed")
+
+        def call(name, *arguments):
+            self.assertEqual(getattr(library, "lib3mf_" + name)(*arguments), 0, name)
+
+        def number_of(name, thing):
+            value = ctypes.c_int()
+            call(name, thing, ctypes.byref(value))
+            return value.value
+
+        for path, mesh in meshes.items():
+            model, reader, objects, found = (ctypes.c_void_p() for _ in range(4))
+            call("createmodel", ctypes.byref(model))
+            call("model_queryreader", model, b"3mf", ctypes.byref(reader))
+            call("reader_readfromfileutf8", reader, str(path).encode())
+            self.assertEqual(number_of("reader_getwarningcount", reader), 0)
+            self.assertEqual(number_of("model_getunit", model), 1)  # MODELUNIT_MILLIMETER
+            call("model_getmeshobjects", model, ctypes.byref(objects))
+            self.assertTrue(number_of("resourceiterator_movenext", objects))
+            call("resourceiterator_getcurrent", objects, ctypes.byref(found))
+            self.assertEqual(number_of("meshobject_getvertexcount", found), mesh["vertices"])
+            self.assertEqual(number_of("meshobject_gettrianglecount", found), mesh["triangles"])
+            self.assertEqual(bool(number_of("meshobject_ismanifoldandoriented", found)), mesh["manifold"])
+
     def test_tetgen(self):
         """It fills the surface and keeps its triangles. Binary PLY and STL it does not read."""
         tetgen = need_package("tetgen", program="tetgen")
@@ -192,17 +248,17 @@ class ForeignReaders(ProgramTest):
         self.assert_close(volume, mesh["volume"], 1e-5)
 
     def test_gmsh(self):
-        """It fills the surface of a file of its own form."""
-        gmsh = need_package("gmsh", program="gmsh")
-        path, geo, json_path = self.folder / "g.msh", self.folder / "g.geo", self.folder / "g.json"
+        """It fills the surface of a file of its own form, by the commands that a note says."""
+        need_package("gmsh", program="gmsh")
+        path, json_path = self.folder / "it's g.msh", self.folder / "g.json"
         self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *SURFACES["crease-exact"])
-        mesh = parse_json(json_path.read_text())["mesh"]
-        geo.write_text(f'Merge "{path}";\nSurface Loop(1) = Surface{{:}};\nVolume(1) = {{1}};\nPhysical Volume(1) = {{1}};\n')
-        out = self.folder / "v.msh"
-        told = subprocess.run([gmsh, geo, "-3", "-format", "msh22", "-o", out], capture_output=True, text=True, timeout=300)
+        report = parse_json(json_path.read_text())
+        mesh = report["mesh"]
+        (commands,) = [note.split("tetrahedra: ")[1] for note in report["notes"] if note.startswith("Gmsh fills")]
+        told = subprocess.run(commands, shell=True, capture_output=True, text=True, timeout=300)
         self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
         meshio = need_package("python3-meshio", module="meshio")
-        volume = meshio.read(out)
+        volume = meshio.read(self.folder / "it's g.volume.msh")
         total = 0.0
         for cell in volume.get_cells_type("tetra"):
             a, b, c, d = (volume.points[i] for i in cell)

@@ -405,7 +405,7 @@ class FirstMistakes(ProgramTest):
         self.says("mesh", UBIQUITIN, "a.stl", next_step="; an output is named by -o FILE")
         self.says("exact", UBIQUITIN, "a.stl", next_step="; vdwmesh exact --help")
         self.says("report", UBIQUITIN, "-o", "a.stl", next_step="; it writes no mesh, vdwmesh mesh does;")
-        self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl .glb .msh or .vtp")
+        self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl .glb .msh .vtp .vtu or .3mf")
         self.says("mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply", next_step="make it first")
         self.says("render", UBIQUITIN, "-o", "a.jpg", next_step="name a .png file")
 

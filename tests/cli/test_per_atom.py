@@ -217,6 +217,25 @@ class Voids(ProgramTest):
             for name in row["lining"].split():
                 self.assertRegex(name, r"^A/\d+/\w+$")
 
+    def test_spheres_for_viewers(self):
+        """In the middle of a cage is room for a probe of 0.1 Å, whatever part of it is the probe already."""
+        path = self.file("a.xyzr", self.cage() + self.cage(10.0))
+        for probe in (0, 0.05):
+            for name in ("v.pdb", "v.pml", "v.bild"):
+                self.run_ok("exact", path, "--probe", probe, "--voids", self.folder / name, "--quiet")
+            records = [line for line in (self.folder / "v.pdb").read_text().splitlines() if line.startswith("HETATM")]
+            self.assertEqual(sorted(int(line[22:26]) for line in records), [1, 2])
+            self.assertEqual(sorted(float(line[30:38]) for line in records), [1, 11])
+            self.assertEqual([[float(line[k : k + w]) for k, w in ((38, 8), (46, 8), (60, 6))] for line in records],
+                             [[1, 1, 0.1]] * 2)  # fmt: skip
+            script = (self.folder / "v.pml").read_text()
+            self.assertIn("\n".join(records), script)
+            self.assertIn("select void_2, voids and resi 2", script)
+            balls = [line.split() for line in (self.folder / "v.bild").read_text().splitlines() if line.startswith(".sphere")]
+            self.assertEqual(len(balls), 2)
+            for ball in balls:
+                self.assertAlmostEqual(float(ball[4]), 0.1, delta=1e-12)
+
     def test_no_void(self):
         rows, _ = self.table("0 0 0 1\n")
         self.assertEqual(rows, [])

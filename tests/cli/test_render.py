@@ -120,6 +120,47 @@ class Render(PictureTest):
             pictures.add(path.read_bytes())
         self.assertEqual(len(pictures), 9)
 
+    def two_residues(self, first, second):
+        """Two balls side by side along x: chains A and B of one residue each."""
+        line = "ATOM      {0}  CA  {1} {2}   1    {3:8.3f}   0.000   0.000  1.00  0.00           C\n"
+        return self.file("two.pdb", line.format(1, first, "A", 0) + line.format(2, second, "B", 5))
+
+    def halves(self, path, *options):
+        """The mean colour of the picture's left and right half without the background: A and B, as the camera looks along -z."""
+        _, _, rows = self.picture("render", path, *SMALL, "--view", "z", *options)
+        means = []
+        for part in (slice(0, 120), slice(200, 320)):  # the bar of a scale is below
+            pixels = [p for row in rows[:180] for p in row[part] if max(p) - min(p) > 20]
+            self.assertGreater(len(pixels), 500, "no coloured ball")
+            means.append([sum(p[k] for p in pixels) / len(pixels) for k in range(3)])
+        return means
+
+    def test_colors_of_atoms(self):
+        path = self.two_residues("ILE", "ARG")
+        (red, green, blue), (red_b, green_b, blue_b) = self.halves(path, "--color", "chain")
+        self.assertTrue(blue > green > red and red_b > green_b > blue_b, "sky blue, then orange")
+        told = self.run_ok("render", path, "-o", self.folder / "p.png", "--color", "chain").stdout
+        self.assertIn("colours: A #56b4e9, B #e69f00", told)
+        told = self.run_ok("render", path, "-o", self.folder / "p.png", "--color", "residue").stdout
+        self.assertIn("colours: hydrophobic #e1aa50, basic #5078dc", told)
+        (red, _, blue), (red_b, _, blue_b) = self.halves(path, "--color", "residue")
+        self.assertTrue(red > blue and red_b < blue_b, "hydrophobic, then basic")
+        (red, _, blue), (red_b, _, blue_b) = self.halves(path, "--color", "hydropathy")
+        self.assertTrue(red > blue and red_b < blue_b, "from +4.5 to -4.5 in cool-warm")
+        for surface in ((), ("--surface", "ses")):
+            (red, _, blue), (red_b, _, blue_b) = self.halves(path, "--color", "chain", *surface)
+            self.assertTrue(red < blue and red_b > blue_b)
+
+    def test_exposure(self):
+        """The scale is yellow where a residue stands alone, and without references there is none."""
+        self.assert_refused(BAD_INPUT, "render", "--sample", "bpti", "-o", self.folder / "p.png", "--color", "exposure",
+                            says=("--radii protor",))  # fmt: skip
+        alone = self.two_residues("LEU", "LEU")
+        # One atom has more than a tenth of the whole residue's area.
+        for upper, is_yellow in ((10, True), (1000, False)):
+            for red, _, blue in self.halves(alone, "--color", "exposure", "--radii", "protor", f"--color-range=0,{upper}"):
+                self.assertEqual(red > blue, is_yellow)
+
     def test_of_a_mesh_file(self):
         mesh = self.folder / "mesh.stl"
         self.run_ok("mesh", "--sample", "bpti", "-o", mesh)

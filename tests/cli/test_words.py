@@ -2,8 +2,11 @@
 command, and a note about an odd structure names what to type. Tests type it."""
 
 import csv
+import os
 import re
 import shlex
+import subprocess
+import sys
 import unittest
 
 import program
@@ -51,6 +54,37 @@ class Words(ProgramTest):
                 typed = re.search(r"type: vdwmesh (.*)$", result.stderr.strip())
                 if typed:
                     self.run_ok(*shlex.split(typed[1]), cwd=self.folder)
+
+    def test_trajectories(self):
+        """Python measures frames, by a command that is typed as it stands. Its tables have the figures of the structure."""
+        need_package("python3-mdanalysis", module="MDAnalysis")
+        if "PYTHONPATH" not in os.environ:
+            self.skipTest("this build has no Python package")
+        path = need_shared("molecules/special/1L2Y.xtc")
+        for name in ("1L2Y.xtc", "1L2Y.pdb"):
+            (self.folder / name).symlink_to(path.with_name(name))
+        for call in (("exact", "1L2Y.pdb", "1L2Y.xtc"), ("trajectory", "1L2Y.pdb", "1L2Y.xtc"),
+                     ("sasa", "-f", "1L2Y.xtc", "-s", "1L2Y.pdb")):  # fmt: skip
+            result = run(*call, cwd=self.folder)
+            self.assertEqual((result.returncode, result.stderr.count("\n")), (BAD_INPUT, 1), result.stderr)
+            self.assertIn("type: python3 -c '", result.stderr)
+        command = result.stderr.split("type: ")[1].replace("python3", sys.executable, 1)
+        subprocess.run(command, shell=True, check=True, cwd=self.folder, capture_output=True)
+        with (self.folder / "areas.csv").open(newline="") as file:
+            areas = [float(row["area"]) for row in csv.DictReader(file)]
+        with (self.folder / "residues.csv").open(newline="") as file:
+            residues = list(csv.DictReader(file))
+        self.assertEqual((len(areas), len(residues)), (38, 38 * 20))
+        # A trajectory has places in nm with three decimals, of which an area changes by a few thousandths.
+        self.assert_close(areas[0], self.report("exact", self.folder / "1L2Y.pdb", "--probe", "1.4")["exact"]["area"], 1e-3)
+        self.run_ok("exact", self.folder / "1L2Y.pdb", "--radii", "protor", "--probe", "1.4", "--per-atom",
+                    self.folder / "p.csv", "--group", "residue")  # fmt: skip
+        with (self.folder / "p.csv").open(newline="") as file:
+            for row, other in zip(residues, list(csv.DictReader(file)), strict=False):
+                self.assertEqual((row["resid"], row["resname"]), (other["residue_number"], other["residue_name"]))
+                self.assertAlmostEqual(float(row["relative"]), float(other["relative_area"]), delta=1e-4)
+        for call in (("exact", "1L2Y.xtc"), ("mesh", "-f", "1L2Y.xtc")):
+            self.assert_refused(BAD_INPUT, *call, says=("is a trajectory",), cwd=self.folder)
 
     def test_names_in_capitals(self):
         areas = {self.report("exact", UBIQUITIN, "--surface", name)["exact"]["area"]

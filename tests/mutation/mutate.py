@@ -72,7 +72,7 @@ TESTS = {
     "pockets": ["pockets_test", "cli.pockets"],
     "interface": ["interface_test", "cli.interface"],
     "remesh": ["remesh_test", "surface_remesher_contract_test", "cli.excluded", "cli.meshes"],
-    "mesh": ["test_surface_mesh", "test_mesh_io", "unit_distributed", "cli.meshes", "cli.foreign", "cli.files"],
+    "mesh": ["test_surface_mesh", "test_mesh_io", "unit_distributed", "cli.meshes", "cli.foreign", "cli.viewers", "cli.files"],
     "analysis": ["test_cell_pairs", "test_mesh_measures", "test_study", "test_distances",
                  "distance_measurer_contract_test", "properties_test", "cli.report", "cli.meshes", "cli.study"],
     "render": ["render_test", "picture_test", "cli.render"],

@@ -435,6 +435,15 @@ class MdtrajTest(unittest.TestCase):
             alone = exact_of(self.traj[one.frame], probe=1.4, topology="counts")
             self.assertEqual((one.area, one.counts), (alone.area, alone.counts))
 
+    def test_residues_of_chosen_atoms(self):
+        path = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "r.csv"
+        self.assertEqual(vdwmesh.residue_table(self.traj, path, select="resSeq 30 to 40", start=4), 1)
+        chosen = self.traj[4].atom_slice(self.traj.topology.select("resSeq 30 to 40"))
+        alone = vdwmesh.residue_areas(chosen, "protor")
+        rows = list(csv.DictReader(path.open(newline="")))
+        self.assertEqual([(r["resid"], r["resname"]) for r in rows], list(zip(alone.resids, alone.resnames)))
+        np.testing.assert_allclose([float(row["relative"]) for row in rows], alone.relative, rtol=1e-13)
+
     def test_selections(self):
         chosen = self.traj.topology.select("backbone")
         found = vdwmesh.trajectory(self.traj, select="backbone", step=2)
@@ -488,6 +497,34 @@ class MdanalysisTest(unittest.TestCase):
                     self.assertEqual((one.area, one.counts), (alone.area, alone.counts), extension)
                 universe.trajectory[3]
             self.assertEqual(len(found), 5)
+
+    def test_residues_of_frames(self):
+        """Each frame has the rows of residue_areas; united radii leave hydrogens out."""
+        universe = self.package.Universe(str(UBIQUITIN), self.paths["dcd"])
+        path = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "r.csv"
+        for radii, select, step in (("protor", "protein", 2), ("bondi", "resid 5:9", 3)):
+            frames = vdwmesh.residue_table(universe, path, radii=radii, select=select, step=step, chunk=1)
+            rows = list(csv.DictReader(path.open(newline="")))
+            for number in range(frames):
+                ts = universe.trajectory[number * step]
+                expected = vdwmesh.residue_areas(universe.select_atoms(select), radii)
+                part = rows[number * len(expected) : (number + 1) * len(expected)]
+                self.assertEqual({(row["frame"], row["time"]) for row in part}, {(str(ts.frame), str(ts.time))})
+                self.assertEqual([row["resid"] for row in part], expected.resids.tolist())
+                self.assertEqual([row["resname"] for row in part], expected.resnames.tolist())
+                self.assertEqual([row["chain"] for row in part], expected.chains.tolist())
+                np.testing.assert_allclose([float(row["area"]) for row in part], expected.area, rtol=1e-13)
+                shares = [float(row["relative"] or "nan") for row in part]
+                np.testing.assert_allclose(shares, expected.relative, rtol=1e-13)
+            self.assertEqual((frames, len(rows)), (-(-5 // step), frames * len(expected)))
+        hydrogens = self.package.Universe(str(UBIQUITIN))
+        hydrogens.atoms[7].element, hydrogens.atoms[7].name = "H", "HG1"
+        vdwmesh.residue_table(hydrogens.select_atoms("protein"), path)
+        alone = vdwmesh.residue_areas(hydrogens.select_atoms("protein and not element H"), "protor")
+        rows = list(csv.DictReader(path.open(newline="")))
+        np.testing.assert_allclose([float(row["area"]) for row in rows], alone.area, rtol=1e-13)
+        with self.assertRaisesRegex(vdwmesh.InvalidInput, "traj: has no residues"):
+            vdwmesh.residue_table(self.places, path)
 
     def test_slices_and_chosen_atoms(self):
         universe = self.package.Universe(str(UBIQUITIN), self.paths["dcd"])

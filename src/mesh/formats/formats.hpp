@@ -47,6 +47,8 @@ void write_stl(const MeshView& view, ByteSink& sink, Warnings& warnings);
 void write_glb(const MeshView& view, ByteSink& sink, Warnings& warnings);
 void write_msh(const MeshView& view, ByteSink& sink);
 void write_vtp(const MeshView& view, ByteSink& sink);
+void write_vtu(const MeshView& view, ByteSink& sink);
+void write_3mf(const MeshView& view, ByteSink& sink);
 
 MeshFile read_ply(std::string_view bytes);
 MeshFile read_obj(std::string_view bytes);

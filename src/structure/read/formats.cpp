@@ -156,8 +156,11 @@ StructureFormat format_of_name(const std::filesystem::path& path) {
   const std::string extension = extension_of(path);
   if (const auto format = known_format(extension)) return *format;
   if (extension == ".xtc" || extension == ".trr" || extension == ".dcd")
-    refuse(path, fmt::format("is a trajectory ({}), which has no elements; give the structure file",
-                             extension));
+    refuse(
+        path,
+        fmt::format("is a trajectory ({}), which has no elements; give the structure file, or both "
+                    "to be told how the frames are measured",
+                    extension));
   refuse(path, fmt::format("its extension {} is not one that is read ({}); or say --format",
                            in_quotes(extension), kReadable));
 }

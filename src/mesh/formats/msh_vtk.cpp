@@ -1,11 +1,12 @@
-// Writers of two text forms for the programs that compute on a mesh or plot it: MSH 2.2 of Gmsh,
-// and VTP, the XML of VTK, which ParaView and PyVista open. Both say of each triangle which atom it
-// is part of, where the mesh knows that; VTP also its kind of patch.
+// Writers of text forms for the programs that compute on a mesh or plot it: MSH 2.2 of Gmsh, and
+// the XML of VTK, which ParaView, PyVista and meshio open. They say of each triangle which atom it
+// is part of, where the mesh knows that; VTK's also its kind of patch.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <string>
+#include <string_view>
 
 #include "mesh/formats/formats.hpp"
 #include "mesh/formats/record_writer.hpp"
@@ -66,6 +67,58 @@ void write_array(ByteSink& sink, const char* attributes, std::size_t count, cons
   write_text(sink, "</DataArray>\n");
 }
 
+// What differs between the surfaces and the general grids of VTK, whose cells have a type each.
+struct VtkNames {
+  std::string_view grid, counter, cells;
+};
+constexpr VtkNames kPolyData{"PolyData", "NumberOfPolys", "Polys"},
+    kUnstructuredGrid{"UnstructuredGrid", "NumberOfCells", "Cells"};
+
+void write_corners(const IndexedMesh& mesh, ByteSink& sink, const VtkNames& names) {
+  constexpr int kTriangle = 5;
+  const std::size_t triangles = mesh.triangle_count();
+  write_array(sink, "type=\"Int64\" Name=\"connectivity\"", triangles,
+              [&](std::size_t t) { return mesh.triangles[t]; });
+  write_array(sink, "type=\"Int64\" Name=\"offsets\"", triangles,
+              [&](std::size_t t) { return std::array{3 * t + 3}; });
+  if (names.grid == kUnstructuredGrid.grid)
+    write_array(sink, "type=\"UInt8\" Name=\"types\"", triangles,
+                [&](std::size_t) { return std::array{kTriangle}; });
+}
+
+void write_vtk(const MeshView& view, ByteSink& sink, const VtkNames& names) {
+  const IndexedMesh& mesh = view.mesh;
+  const std::size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
+  // An estimate: three floats and three doubles per vertex, and five 7-digit numbers per triangle.
+  sink.expect(93 * vertices + 42 * triangles);
+  write_text(sink, fmt::format("<?xml version=\"1.0\"?>\n"
+                               "<!-- made by vdwmesh; lengths in angstrom -->\n"
+                               "<VTKFile type=\"{0}\" version=\"1.0\" "
+                               "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+                               "<{0}><Piece NumberOfPoints=\"{1}\" {2}=\"{3}\">\n"
+                               "<PointData Normals=\"normals\">\n",
+                               names.grid, vertices, names.counter, triangles));
+  write_array(sink, "type=\"Float32\" Name=\"normals\" NumberOfComponents=\"3\"", vertices,
+              [&](std::size_t v) {
+                const Vec3f& n = view.normals[v];
+                return std::array<float, 3>{n.x, n.y, n.z};
+              });
+  write_text(sink, "</PointData>\n<CellData Scalars=\"atom\">\n");
+  write_array(sink, "type=\"Int64\" Name=\"atom\"", triangles,
+              [&](std::size_t t) { return std::array{atom_of(view, t)}; });
+  if (view.patches)
+    write_array(sink, "type=\"Int32\" Name=\"patch_kind\"", triangles, [&](std::size_t t) {
+      return std::array{
+          static_cast<int>(view.patches->patches[view.patches->triangle_patch[t]].kind)};
+    });
+  write_text(sink, "</CellData>\n<Points>\n");
+  write_array(sink, "type=\"Float64\" NumberOfComponents=\"3\"", vertices,
+              [&](std::size_t v) { return place(mesh, v); });
+  write_text(sink, fmt::format("</Points>\n<{}>\n", names.cells));
+  write_corners(mesh, sink, names);
+  write_text(sink, fmt::format("</{}>\n</Piece></{}>\n</VTKFile>\n", names.cells, names.grid));
+}
+
 }  // namespace
 
 void write_msh(const MeshView& view, ByteSink& sink) {
@@ -100,40 +153,8 @@ void write_msh(const MeshView& view, ByteSink& sink) {
   write_text(sink, "$EndElements\n");
 }
 
-void write_vtp(const MeshView& view, ByteSink& sink) {
-  const IndexedMesh& mesh = view.mesh;
-  const std::size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
-  // An estimate: three floats and three doubles per vertex, and five 7-digit numbers per triangle.
-  sink.expect(93 * vertices + 42 * triangles);
-  write_text(sink, fmt::format("<?xml version=\"1.0\"?>\n"
-                               "<!-- made by vdwmesh; lengths in angstrom -->\n"
-                               "<VTKFile type=\"PolyData\" version=\"1.0\" "
-                               "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-                               "<PolyData><Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\">\n"
-                               "<PointData Normals=\"normals\">\n",
-                               vertices, triangles));
-  write_array(sink, "type=\"Float32\" Name=\"normals\" NumberOfComponents=\"3\"", vertices,
-              [&](std::size_t v) {
-                const Vec3f& n = view.normals[v];
-                return std::array<float, 3>{n.x, n.y, n.z};
-              });
-  write_text(sink, "</PointData>\n<CellData Scalars=\"atom\">\n");
-  write_array(sink, "type=\"Int64\" Name=\"atom\"", triangles,
-              [&](std::size_t t) { return std::array{atom_of(view, t)}; });
-  if (view.patches)
-    write_array(sink, "type=\"Int32\" Name=\"patch_kind\"", triangles, [&](std::size_t t) {
-      return std::array{
-          static_cast<int>(view.patches->patches[view.patches->triangle_patch[t]].kind)};
-    });
-  write_text(sink, "</CellData>\n<Points>\n");
-  write_array(sink, "type=\"Float64\" NumberOfComponents=\"3\"", vertices,
-              [&](std::size_t v) { return place(mesh, v); });
-  write_text(sink, "</Points>\n<Polys>\n");
-  write_array(sink, "type=\"Int64\" Name=\"connectivity\"", triangles,
-              [&](std::size_t t) { return mesh.triangles[t]; });
-  write_array(sink, "type=\"Int64\" Name=\"offsets\"", triangles,
-              [&](std::size_t t) { return std::array{3 * t + 3}; });
-  write_text(sink, "</Polys>\n</Piece></PolyData>\n</VTKFile>\n");
-}
+void write_vtp(const MeshView& view, ByteSink& sink) { write_vtk(view, sink, kPolyData); }
+
+void write_vtu(const MeshView& view, ByteSink& sink) { write_vtk(view, sink, kUnstructuredGrid); }
 
 }  // namespace vdwmesh::formats
