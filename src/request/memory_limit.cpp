@@ -45,32 +45,32 @@ std::optional<std::uint64_t> lowest_limit(const std::filesystem::path& root, std
   }
 }
 
-// Lines of /proc/self/cgroup: "0::/path" (version 2) or "7:memory:/path" (version 1).
-std::optional<std::uint64_t> cgroup_limit() {
-  std::ifstream file("/proc/self/cgroup");
+}  // namespace
+
+std::optional<std::uint64_t> cgroup_limit(std::istream& groups, const std::filesystem::path& root) {
   std::optional<std::uint64_t> lowest;
-  for (std::string line; std::getline(file, line);) {
+  for (std::string line; std::getline(groups, line);) {
     const std::size_t first = line.find(':');
     const std::size_t second = line.find(':', first + 1);
     if (first == std::string::npos || second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1);
     const std::string group = line.substr(second + 1);
     std::optional<std::uint64_t> limit;
-    if (controllers.empty()) limit = lowest_limit("/sys/fs/cgroup", group, "memory.max");
+    if (controllers.empty()) limit = lowest_limit(root, group, "memory.max");
     if (controllers == "memory") {
-      limit = lowest_limit("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes");
+      limit = lowest_limit(root / "memory", group, "memory.limit_in_bytes");
     }
     if (limit && (!lowest || *limit < *lowest)) lowest = limit;
   }
   return lowest;
 }
 
-}  // namespace
-
 // A fifth of the memory that is there is left free.
 std::uint64_t default_memory_limit(std::uint64_t processes) {
-  const std::uint64_t least = std::min(available_memory().value_or(kNoMemoryLimit),
-                                       cgroup_limit().value_or(kNoMemoryLimit));
+  std::ifstream groups("/proc/self/cgroup");
+  const std::uint64_t least =
+      std::min(available_memory().value_or(kNoMemoryLimit),
+               cgroup_limit(groups, "/sys/fs/cgroup").value_or(kNoMemoryLimit));
   return least == kNoMemoryLimit ? kNoMemoryLimit : least / 5 * 4 / processes;
 }
 

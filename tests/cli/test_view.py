@@ -171,6 +171,7 @@ class View(ProgramTest):
         structure = dimer(self.folder)
         self.open(structure)
         self.check_figures(structure)
+        self.check_spheres_of_pockets(structure)
         self.check_picking(structure)
         self.check_colors()
         self.check_lists(structure)
@@ -196,6 +197,18 @@ class View(ProgramTest):
         self.run_ok("exact", structure, "--per-atom", path, "--group", group, "--quiet")
         with path.open(newline="") as file:
             return list(csv.DictReader(file))
+
+    def check_spheres_of_pockets(self, structure):
+        path = self.folder / "spheres.pdb"
+        self.run_ok("pockets", structure, "-o", path, "--quiet")
+        lines = [line for line in path.read_text().splitlines() if line.startswith("HETATM")]
+        wanted = [[float(line[k : k + n]) for k, n in ((30, 8), (38, 8), (46, 8), (60, 6))] for line in lines]
+        numbers = self.browser.execute_script("return state.structure.pockets.flatMap((pocket) => pocket.spheres)")
+        self.assertGreater(len(wanted), 0)
+        self.assertEqual(len(numbers), 4 * len(wanted))
+        for i, sphere in enumerate(wanted):
+            for a, b in zip(numbers[4 * i : 4 * i + 4], sphere):
+                self.assertAlmostEqual(a, b, delta=0.006)
 
     def check_picking(self, structure):
         """At the middle of what is seen of an atom, the page names the atom that a ray meets first there."""

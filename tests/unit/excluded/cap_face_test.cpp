@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "excluded/patches/cap_arrangement.hpp"
 #include "excluded/patches/share_formulas.hpp"
 
 namespace vdwmesh::excluded {
@@ -38,6 +39,17 @@ TEST(CapFace, SegmentOfADisk) {
   const std::vector<HalfSpace> within{{{1, 0, 0}, 0.4}};
   const double segment = 0.64 * (kPi / 3 - std::sin(2 * kPi / 3) / 2);
   EXPECT_NEAR(face_area(kUp, 0.6, within), 0.64 * kPi - segment, kRounding);
+}
+
+// Counter-clockwise about z, through more than a quarter of a turn too.
+TEST(CapCircle, PointBeyondAnAngle) {
+  const auto circle = cap_circle<double>({0, 0, 1}, 0.6);
+  for (const double angle : {0.3, 1.4, 1.7, 3.0, 4.0, 5.9}) {
+    const auto p = point_beyond<double>(circle, {0.8, 0, 0.6}, angle);
+    EXPECT_NEAR(p.x, 0.8 * std::cos(angle), kRounding) << angle;
+    EXPECT_NEAR(p.y, 0.8 * std::sin(angle), kRounding) << angle;
+    EXPECT_NEAR(p.z, 0.6, kRounding) << angle;
+  }
 }
 
 // A plane that leans: at height 0.6 it runs along x = 0.2.
