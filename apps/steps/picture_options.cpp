@@ -123,7 +123,8 @@ void read_color(std::string_view option, const std::string& text, PictureOptions
                                     ColorBy::exposure,       ColorBy::distance,
                                     ColorBy::angle,          ColorBy::kind,
                                     ColorBy::mean_curvature, ColorBy::gaussian_curvature};
-  const auto named = std::ranges::find(kKnown, text) - std::begin(kKnown);
+  const std::string& name = text == "hydrophobicity" ? std::string("hydropathy") : text;
+  const auto named = std::ranges::find(kKnown, name) - std::begin(kKnown);
   const std::optional<Rgb> plain = color_of(text);
   if (plain) options.plain = *plain;
   if (!plain && named >= std::ssize(kColorings)) throw_unknown_name(option, text, kKnown);
