@@ -35,6 +35,14 @@ bool asks_for_help(const Words& words) {
   return std::ranges::any_of(words, is_help) || asks_for_all(words);
 }
 
+WordViews names_of(const std::vector<OptionGroup>& groups) {
+  WordViews names;
+  for (const OptionGroup& group : groups) {
+    for (const Option& option : group.options) names.push_back(option.long_name());
+  }
+  return names;
+}
+
 // The verb that the first word names; it is taken off.
 const Verb& take_verb(const Program& program, Words& words) {
   const std::string given = words.empty() ? "" : words[0];
@@ -45,8 +53,15 @@ const Verb& take_verb(const Program& program, Words& words) {
     if (!frames.empty()) throw InvalidInput(frames);
     WordViews known;
     for (const Verb& one : program.verbs) known.push_back(one.name);
-    const std::string advice =
-        advice_on_verb(program.name, {words.begin() + (words.empty() ? 0 : 1), words.end()}, given);
+    Draft draft;
+    std::vector<OptionGroup> groups;  // whose names are looked at
+    const auto known_of = [&](std::string_view name) {
+      const auto meant = std::ranges::find(program.verbs, name, &Verb::name);
+      if (meant != program.verbs.end()) groups = options_of(meant->bit, draft, Extent::read);
+      return names_of(groups);
+    };
+    const std::string advice = advice_on_verb(
+        program.name, {words.begin() + (words.empty() ? 0 : 1), words.end()}, given, known_of);
     refuse_if(!advice.empty(), "{}: not a verb{}", given, advice);
     const std::string what =
         given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);
@@ -181,10 +196,7 @@ class Reading {
     if (!frames.empty()) throw InvalidInput(frames);
     const std::string name = word.substr(0, word.find('='));
     if (!name.starts_with('-')) refuse("{}: one argument too many{}", word, advice_on(word));
-    WordViews known;
-    for (const OptionGroup& group : groups_) {
-      for (const Option& option : group.options) known.push_back(option.long_name());
-    }
+    const WordViews known = names_of(groups_);
     const std::string advice =
         advice_on_option(fmt::format("{} {}", program_.name, verb_.name), words_, name, known);
     refuse_if(!advice.empty(), "{}: not an option of {} {}{}", name, program_.name, verb_.name,
@@ -200,7 +212,12 @@ class Reading {
   std::string advice_on(const std::string& word) const {
     const bool is_output = find_mesh_format(word) || word.ends_with(".png");
     if (is_output && added_.contains("-o")) return "; an output is named by -o FILE";
-    if (has_structure_extension(word)) return "; vdwmesh batch takes many structures";
+    if (has_structure_extension(word)) {
+      const bool plain = std::ranges::all_of(words_, has_structure_extension);
+      return plain && verb_.name == "exact"
+                 ? advice_on_option(fmt::format("{} batch", program_.name), words_, "", {})
+                 : "; vdwmesh batch takes many structures";
+    }
     return see_help();
   }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 
 #include "core/letters.hpp"
 #include "structure/reader.hpp"
@@ -28,6 +29,7 @@ struct OtherWord {
 constexpr std::string_view kNoPoints = "the measures are exact, without points or slices to choose",
                            kKept = "hydrogens are kept unless --no-hydrogens is given",
                            kDropped = "waters are left out unless --waters is given",
+                           kAssumed = "radii of unknown atoms are told from elements, and counted",
                            kAlone = "a structure stands alone, without an option";
 
 constexpr OtherWord kOptions[] = {
@@ -117,6 +119,11 @@ constexpr OtherWord kOptions[] = {
     {"cpu", "--backend cpu"},
     {"nm", "--units nm"},
     {"unit", "--units"},
+    {"color-by", "--color"},
+    {"colour", "--color"},
+    {"bfactor", "--b-factor"},
+    {"n", "{}", kNoPoints},
+    {"unknown", "{}", kAssumed},
     {"cavities", "--voids -"}};
 
 constexpr OtherWord kVerbs[] = {{"sasa", "exact {} --surface sas"},
@@ -127,6 +134,9 @@ constexpr OtherWord kVerbs[] = {{"sasa", "exact {} --surface sas"},
                                 {"area", "exact {}"},
                                 {"get-area", "exact {}"},
                                 {"volume", "exact {}"},
+                                {"get-volume", "exact {}"},
+                                {"rsa", "exact {} --rsa - --radii protor --surface sas"},
+                                {"depth", "exact {} --depth - --surface sas"},
                                 {"measure", "exact {}"},
                                 {"calc", "exact {}"},
                                 {"analyze", "report {}"},
@@ -147,13 +157,6 @@ constexpr OtherWord kVerbs[] = {{"sasa", "exact {} --surface sas"},
                                 {"interfaces", "interface {}"},
                                 {"fpocket", "pockets {}"},
                                 {"residues", "exact {} --per-atom - --group residue"}};
-
-std::string line_in_shell(std::span<const std::string> words) {
-  std::string text;
-  for (const std::string& word : words)
-    text += fmt::format("{}{}", text.empty() ? "" : " ", in_shell(word));
-  return text;
-}
 
 // The spelling by which options are looked up: "--Probe_Radius" and "probeRadius" are
 // "probe-radius".
@@ -268,14 +271,22 @@ std::string advice_on_trajectory(const std::vector<std::string>& words) {
 }
 
 std::string advice_on_verb(std::string_view program, const std::vector<std::string>& words,
-                           std::string_view unknown) {
+                           std::string_view unknown, const OptionsOfVerb& known_of) {
   const auto entry = std::ranges::find(kVerbs, bare(unknown), &OtherWord::there);
   if (entry == std::end(kVerbs)) return "";
-  const std::size_t place = entry->here.find(" {}");
-  // Without a structure, a sample makes the advice a command that runs.
-  const std::string given = words.empty() ? "--sample ubiquitin" : line_in_shell(words);
-  return fmt::format("; type: {} {} {}{}", program, entry->here.substr(0, place), given,
-                     entry->here.substr(place + 3));
+  std::istringstream parts{std::string(entry->here)};
+  std::string verb;
+  parts >> verb;
+  std::vector<std::string> typed;
+  for (std::string part; parts >> part;) {
+    if (part != "{}")
+      typed.push_back(part);
+    else if (words.empty())  // a sample makes the advice a command that runs
+      typed.insert(typed.end(), {"--sample", "ubiquitin"});
+    else
+      typed.insert(typed.end(), words.begin(), words.end());
+  }
+  return advice_on_option(fmt::format("{} {}", program, verb), typed, "", known_of(verb));
 }
 
 }  // namespace vdwmesh::apps

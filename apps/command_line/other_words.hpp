@@ -1,6 +1,7 @@
 // What other programs call the options and verbs of this one, and the command to type instead.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,9 +19,13 @@ std::string in_shell(const std::string& word);
 std::string advice_on_option(std::string_view command, const std::vector<std::string>& words,
                              std::string_view unknown, std::span<const std::string_view> known);
 
-// The same for the first word, which is no verb; `words` follow it.
+// The options of a verb.
+using OptionsOfVerb = std::function<std::vector<std::string_view>(std::string_view verb)>;
+
+// The same for the first word, which is no verb; `words` follow it, and their options are said as
+// the verb in its place knows them.
 std::string advice_on_verb(std::string_view program, const std::vector<std::string>& words,
-                           std::string_view unknown);
+                           std::string_view unknown, const OptionsOfVerb& known_of);
 
 // What to type in Python where one of the words is a trajectory (.xtc .trr .dcd .nc) and another
 // one its structure or topology; empty if none is a trajectory. The line is whole, without a

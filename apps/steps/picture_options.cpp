@@ -122,7 +122,8 @@ void read_color(std::string_view option, const std::string& text, PictureOptions
       ColorBy::element,  ColorBy::chain,          ColorBy::residue,           ColorBy::hydropathy,
       ColorBy::exposure, ColorBy::b_factor,       ColorBy::distance,          ColorBy::angle,
       ColorBy::kind,     ColorBy::mean_curvature, ColorBy::gaussian_curvature};
-  const auto named = std::ranges::find(kKnown, text) - std::begin(kKnown);
+  const std::string name = text == "hydrophobicity" ? "hydropathy" : text;
+  const auto named = std::ranges::find(kKnown, name) - std::begin(kKnown);
   const std::optional<Rgb> plain = color_of(text);
   if (plain) options.plain = *plain;
   if (!plain && named >= std::ssize(kColorings)) throw_unknown_name(option, text, kKnown);

@@ -394,7 +394,7 @@ class FirstMistakes(ProgramTest):
         self.says("exact", self.file("a.pdb", "<!doctype html>"), next_step="get the file itself")
         self.says("exact", "-", next_step="needs --format")
         self.says("exact", self.folder, next_step="give the directory to vdwmesh batch")
-        self.says("exact", UBIQUITIN, "more.pdb", next_step="; vdwmesh batch takes many structures")
+        self.says("exact", UBIQUITIN, "more.pdb", next_step="; type: vdwmesh batch ")
         self.says("exact", "--sample", "bpti", UBIQUITIN, next_step="give only one of them")
         self.says("batch", self.folder / "none", next_step="name a structure file, a folder, a tar archive or a list")
         (self.folder / "empty").mkdir()
