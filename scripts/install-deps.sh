@@ -36,7 +36,7 @@ for group in "$@"; do
       python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d
       parallel snakemake python3-dask python3-mpi4py python3-torch
       libopenmm-dev libopenmm-plugins python3-simtk swig) ;;
-    viewers) packages+=(blender python3-paraview paraview pymol) ;;
+    viewers) packages+=(blender paraview pymol) ;;
     docs) packages+=(doxygen python3-markdown) ;;
     manual) packages+=(man-db groff zsh) ;;
     packages) packages+=(dpkg-dev debhelper dh-python file lintian debootstrap) ;;
