@@ -85,15 +85,15 @@ bool holds(const List& list, const Value& value) {
 
 // Amino acids in force fields: protonation states of His, Cys, Asp, Glu, Lys and Arg; and some
 // modified amino acids.
-constexpr std::array kAminoAcids{
+constexpr std::array kForceFieldAminoAcids{
     "HID"sv,  "HIE"sv,  "HIP"sv,  "HSD"sv,  "HSE"sv,  "HSP"sv, "HISA"sv, "HISB"sv, "HISD"sv,
     "HISE"sv, "HISH"sv, "HIS1"sv, "HIS2"sv, "CYX"sv,  "CYM"sv, "CYS2"sv, "CYSH"sv, "ASH"sv,
     "ASPH"sv, "ASPP"sv, "GLH"sv,  "GLUH"sv, "GLUP"sv, "LYN"sv, "LYP"sv,  "LYSH"sv, "LSN"sv,
     "ARGN"sv, "HYP"sv,  "NLE"sv,  "ORN"sv,  "SEP"sv,  "TPO"sv, "PTR"sv,
 };
 // Nucleotides in force fields.
-constexpr std::array kNucleotides{"ADE"sv, "GUA"sv, "CYT"sv, "THY"sv, "URA"sv,
-                                  "RA"sv,  "RC"sv,  "RG"sv,  "RU"sv};
+constexpr std::array kForceFieldNucleotides{"ADE"sv, "GUA"sv, "CYT"sv, "THY"sv, "URA"sv,
+                                            "RA"sv,  "RC"sv,  "RG"sv,  "RU"sv};
 // Groups that cap the ends of a chain, such as acetyl and N-methyl amide.
 constexpr std::array kEndGroups{"ACE"sv, "NME"sv, "NHE"sv, "NH2"sv, "NMA"sv, "CT3"sv};
 
@@ -110,11 +110,11 @@ bool is_nucleotide_of_the_pdb(std::string_view residue) {
 // AMBER and GROMACS append a letter to a nucleotide at the end of a chain: 5, 3, or N for a single
 // nucleotide ("DA5", "RU3", "GN"). The residue "IN" is indium, not a single inosine.
 bool is_nucleotide(std::string_view residue) {
-  if (is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue)) return true;
+  if (is_nucleotide_of_the_pdb(residue) || holds(kForceFieldNucleotides, residue)) return true;
   if (residue.size() < 2 || "53N"sv.find(residue.back()) == std::string_view::npos) return false;
   residue.remove_suffix(1);
   if (residue == "I") return false;
-  return is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue);
+  return is_nucleotide_of_the_pdb(residue) || holds(kForceFieldNucleotides, residue);
 }
 
 // Where side chains have hydrogens, by the letter of the position: alpha to zeta, and H for eta.
@@ -216,11 +216,11 @@ El element_of_ion(std::string_view name, std::string_view residue) {
 }
 
 bool is_amino_acid(std::string_view residue) {
-  if (is_amino_acid_of_the_pdb(residue) || holds(kAminoAcids, residue)) return true;
+  if (is_amino_acid_of_the_pdb(residue) || holds(kForceFieldAminoAcids, residue)) return true;
   // AMBER marks residues at the ends of a chain with N or C in front: "NALA", "CHIE".
   const bool end = residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C');
-  return end &&
-         (is_amino_acid_of_the_pdb(residue.substr(1)) || holds(kAminoAcids, residue.substr(1)));
+  return end && (is_amino_acid_of_the_pdb(residue.substr(1)) ||
+                 holds(kForceFieldAminoAcids, residue.substr(1)));
 }
 
 bool is_standard_residue(std::string_view residue) {
