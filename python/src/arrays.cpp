@@ -100,6 +100,14 @@ double Numbers::at(const std::byte* place) const {
   return value;
 }
 
+std::vector<double> numbers_of(const py::object& array, const char* name) {
+  std::vector<double> numbers;
+  if (array.is_none()) return numbers;
+  const Numbers given(array.cast<py::buffer>(), name, 1);
+  for (std::size_t i = 0; i < given.size(0); ++i) numbers.push_back(given(i));
+  return numbers;
+}
+
 std::vector<Vec3d> points_of(const Numbers& rows) {
   if (rows.size(1) != 3) {
     throw InvalidInput(fmt::format("{}: has shape ({}, {}); (N, 3) is needed", rows.name(),

@@ -96,6 +96,8 @@ class Numbers {
   bool is_float32_;
 };
 
+// The numbers of an array of one dimension; none if it is None.
+std::vector<double> numbers_of(const py::object& array, const char* name);
 // Points (Å) from an array of shape (N, 3). Throws InvalidInput that names the argument and the row
 // for a number that is not finite, and for no rows at all.
 std::vector<Vec3d> points_of(const Numbers& rows);

@@ -221,15 +221,6 @@ py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::k
   return lists_of(std::move(found), request.exact.topology);
 }
 
-// The numbers of an array of one dimension; none if it is None.
-std::vector<double> numbers_of(const py::object& array, const char* name) {
-  std::vector<double> numbers;
-  if (array.is_none()) return numbers;
-  const Numbers given(array.cast<py::buffer>(), name, 1);
-  for (std::size_t i = 0; i < given.size(0); ++i) numbers.push_back(given(i));
-  return numbers;
-}
-
 // The measures of one set and their derivatives in "gradient": rows of eight numbers (N, 8), and
 // how many atoms may have none.
 py::dict measure_gradient(const py::buffer& coords, const py::buffer& radii,

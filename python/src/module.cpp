@@ -17,6 +17,7 @@ PYBIND11_MODULE(_core, module) {
   bind_structures(module);
   bind_measures(module);
   bind_excluded(module);
+  bind_gradients(module);
   bind_interfaces(module);
   bind_pockets(module);
   bind_meshes(module);

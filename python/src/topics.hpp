@@ -9,6 +9,7 @@ namespace vdwmesh::python {
 void bind_requests(pybind11::module_& module);    // requests.cpp: checks of arguments
 void bind_structures(pybind11::module_& module);  // structures.cpp: files, radii
 void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
+void bind_gradients(pybind11::module_& module);   // gradients.cpp: rates, sparse derivatives
 void bind_excluded(pybind11::module_& module);    // excluded.cpp: the solvent-excluded surface
 void bind_interfaces(pybind11::module_& module);  // interfaces.cpp: buried areas, contacts
 void bind_pockets(pybind11::module_& module);     // pockets.cpp: pockets, channels, voids

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     )
     from vdwmesh._core import version as __version__
     from vdwmesh._cuda import CudaArray, CudaAtoms, CudaMesh
+    from vdwmesh._derivatives import Jacobian, Rates, jacobian, rates
     from vdwmesh._exact import ExactUnion, UnionGradient, exact, sasa
     from vdwmesh._excluded import (
         AccessibleComponent,
@@ -83,6 +84,7 @@ __all__ = [
     "Interfaces",
     "InternalError",
     "InvalidInput",
+    "Jacobian",
     "LimitExceeded",
     "Mesh",
     "Molecule",
@@ -91,6 +93,7 @@ __all__ = [
     "Pocket",
     "PocketFrame",
     "Quality",
+    "Rates",
     "ResidueAreas",
     "Topology",
     "TrajectoryResult",
@@ -102,6 +105,7 @@ __all__ = [
     "exact",
     "frames",
     "interface",
+    "jacobian",
     "marching_cubes",
     "mesh",
     "mesh_many",
@@ -111,6 +115,7 @@ __all__ = [
     "pockets",
     "quality",
     "radii_of",
+    "rates",
     "read",
     "residue_areas",
     "residue_table",
@@ -127,6 +132,7 @@ _HOMES = {
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
     "_cuda": "CudaArray CudaAtoms CudaMesh",
+    "_derivatives": "Jacobian Rates jacobian rates",
     "_exact": "ExactUnion UnionGradient exact sasa",
     "_excluded": "AccessibleComponent ExcludedGradient ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",

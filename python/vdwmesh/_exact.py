@@ -188,18 +188,20 @@ def exact(
     >>> round(union.area, 6), round(union.volume, 6)  # 6 pi, 9/4 pi
     (18.849556, 7.068583)
     """
-    if weights is not None and not gradient:
-        raise InvalidInput("weights: are those of a gradient; say gradient=True")
+    refuse_weights(weights, gradient, surface)
     if _core.is_excluded(surface):
-        if weights is not None:
-            raise InvalidInput(f'weights: do not go with surface="{surface}"; leave one of them out')
         if atoms is not None:
             raise InvalidInput(f'atoms: does not go with surface="{surface}"; leave one of them out')
         arrays = arrays_of(coords, radii)[:2]
         return measure_excluded(*arrays, probe, topology, threads, device, gradient, method=method)
     if gradient:
         options = Options.of(probe, topology, threads, device, surface=surface, method=method)
-        return _with_gradient(*arrays_of(coords, radii)[:2], options, atoms, weights)
+        refuse_beside_gradient(options, atoms)
+        arrays = arrays_of(coords, radii)[:2]
+        count = len(arrays[0])
+        if len(arrays[1]) != count:
+            raise InvalidInput(f"radii: has {len(arrays[1])} numbers for {count} atoms of coords")
+        return with_gradient(*arrays, options, weight_pair(weights, count))
     centers, sizes, _ = arrays_anywhere(coords, radii, device)
     options = Options.of(
         probe,
@@ -219,10 +221,18 @@ def exact(
     return ExactUnion(**found.frames[0])
 
 
-def _with_gradient(
-    centers: NDArray[Any], sizes: NDArray[Any], options: Options, atoms: Any, weights: Any
-) -> ExactUnion:
-    """One set with its gradient, of all atoms."""
+def refuse_weights(weights: Any, gradient: bool, surface: str) -> None:
+    """Raises for weights where there is nothing that they weigh."""
+    if weights is None:
+        return
+    if not gradient:
+        raise InvalidInput("weights: are those of a gradient; say gradient=True")
+    if _core.is_excluded(surface):
+        raise InvalidInput(f'weights: do not go with surface="{surface}"; leave one of them out')
+
+
+def refuse_beside_gradient(options: Options, atoms: Any) -> None:
+    """Raises for what the gradient of a union does not go with."""
     for name, other in (
         ("atoms", atoms is not None),
         ("topology", options.topology != "off"),
@@ -231,14 +241,23 @@ def _with_gradient(
     ):
         if other:
             raise InvalidInput(f"gradient: is of areas and volumes of all atoms on the CPU; leave out {name}")
+
+
+def weight_pair(weights: Any, count: int) -> list[NDArray[Any] | None]:
+    """The argument `weights` as those of areas and of volumes; None are weights of 1."""
     pair = weights if isinstance(weights, tuple) and len(weights) == 2 else (weights, weights)
     given = [None if w is None else floats("weights", w, "(N,)") for w in pair]
-    if len(centers) != len(sizes):
-        raise InvalidInput(f"radii: has {len(sizes)} numbers for {len(centers)} atoms of coords")
     for w in given:
-        if w is not None and len(w) != len(centers):
-            raise InvalidInput(f"weights: has {len(w)} numbers for {len(centers)} atoms of coords")
-    found = _core.measure_gradient(centers, sizes, *given, **vars(options))
+        if w is not None and len(w) != count:
+            raise InvalidInput(f"weights: has {len(w)} numbers for {count} atoms of coords")
+    return given
+
+
+def with_gradient(
+    centers: Any, sizes: Any, options: Options, weights: list[NDArray[Any] | None]
+) -> ExactUnion:
+    """One set with its gradient, of all atoms."""
+    found = _core.measure_gradient(centers, sizes, *weights, **vars(options))
     rows, kinks = found.pop("gradient")
     table = view(rows)
     gradient = UnionGradient(table[:, :3], table[:, 3], table[:, 4:7], table[:, 7], kinks)

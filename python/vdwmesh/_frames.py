@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Iterator
+from typing import TYPE_CHECKING, Any, Callable, Iterator
 
 import numpy as np
 
 from vdwmesh import _core, _tables
 from vdwmesh._arrays import Brief, chosen
 from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
-from vdwmesh._excluded import measure_excluded
+from vdwmesh._exact import ExactUnion, UnionGradient, refuse_beside_gradient, refuse_weights, weight_pair, with_gradient
+from vdwmesh._excluded import ExcludedGradient, ExcludedMeasures, measure_excluded
 from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
 from vdwmesh._mesh import Mesh, mesh
 from vdwmesh._sources import Atoms, radii_anywhere, radii_for
@@ -42,6 +43,8 @@ class FrameResult(Brief):
     cuda : CudaAtoms or None
         Measures of the atoms in the memory of the device, if the frames were there; None unless asked
         for.
+    gradient : UnionGradient, or ExcludedGradient of the excluded surface, or None
+        None unless asked for.
     """
 
     frame: int
@@ -53,6 +56,7 @@ class FrameResult(Brief):
     counts: Counts | None
     topology: Topology | None
     cuda: CudaAtoms | None = None
+    gradient: UnionGradient | ExcludedGradient | None = None
 
 
 def frames(
@@ -71,6 +75,8 @@ def frames(
     chunk: int = 64,
     threads: int | None = None,
     device: str = "auto",
+    gradient: bool = False,
+    weights: ArrayLike | tuple[ArrayLike | None, ArrayLike | None] | None = None,
 ) -> Iterator[FrameResult]:
     """Exact area, volume and topology of each frame of a trajectory.
 
@@ -107,6 +113,8 @@ def frames(
         Number of frames that are measured at once.
     device : {"auto", "cpu", "cuda"}
         As for `exact`; "auto" counts the atoms of all frames.
+    gradient, weights
+        As for `exact`: frames on the host, one after another; the weights are those of all frames.
 
     Yields
     ------
@@ -133,15 +141,26 @@ def frames(
     2 8.0 2
     """
     size = chunk_size(chunk)
+    window = Window.of(start, stop, step)
+    refuse_weights(weights, gradient, surface)
     if _core.is_excluded(surface):
         if atoms is not None or topology not in (False, "off"):
             raise InvalidInput("surface: atoms and topology of frames are not of the excluded surface")
-        given = trajectory_of(traj, select, Window.of(start, stop, step))
-        if is_on_device(given.atoms.coords):
-            raise InvalidInput("surface: the excluded surface of frames is measured on the host")
-        return _excluded(given, radii_of_frames(radii, given), probe, bool(per_atom), threads, device)
+        given = _on_host("surface: the excluded surface", traj, select, window)
+        sizes = radii_of_frames(radii, given)
+        return _one_by_one(
+            given,
+            lambda centers: measure_excluded(centers, sizes, probe, False, threads, device, bool(gradient)),
+            bool(per_atom),
+        )
     options = Options.of(probe, topology, threads, device, surface=surface, per_atom=bool(per_atom))
-    given = trajectory_of(traj, select, Window.of(start, stop, step))
+    if gradient:
+        refuse_beside_gradient(options, atoms)
+        given = _on_host("gradient: that", traj, select, window)
+        sizes = radii_of_frames(radii, given)
+        pair = weight_pair(weights, given.count)
+        return _one_by_one(given, lambda centers: with_gradient(centers, sizes, options, pair), bool(per_atom))
+    given = trajectory_of(traj, select, window)
     sizes = radii_of_frames(radii, given)
     options = replace(
         options,
@@ -150,6 +169,13 @@ def frames(
         balls=given.count * (_MANY_FRAMES if given.length is None else given.length),
     )
     return _measured(given, sizes, options, size)
+
+
+def _on_host(what: str, traj: Any, select: Any, window: Window) -> Trajectory:
+    given = trajectory_of(traj, select, window)
+    if is_on_device(given.atoms.coords):
+        raise InvalidInput(f"{what} of frames is measured on the host; copy them there")
+    return given
 
 
 def chunk_size(chunk: Any) -> int:
@@ -194,19 +220,19 @@ def _measured(
         refuse(found.invalid, part)
 
 
-def _excluded(
-    given: Trajectory, radii: Any, probe: float | None, per_atom: bool, threads: Any, device: str
+def _one_by_one(
+    given: Trajectory, measured: Callable[[Any], ExactUnion | ExcludedMeasures], per_atom: bool
 ) -> Iterator[FrameResult]:
-    """The solvent-excluded surface of each frame, on all cores."""
+    """Each frame on all cores."""
     for part in given.chunks(_FRAMES_OF_MESHES):
         for number, time, coords in zip(part.numbers, part.times, part.coords):
             centers = coords if given.atoms.unit == 1 else given.atoms.unit * coords.astype(np.float64)
             try:
-                one = measure_excluded(centers, radii, probe, False, threads, device)
+                one = measured(centers)
             except InvalidInput as error:
                 raise InvalidInput(f"traj: frame {number}: {error}") from None
             area, volume = (one.atom_area, one.atom_volume) if per_atom else (None, None)
-            yield FrameResult(number, time, one.area, one.volume, area, volume, None, None)
+            yield FrameResult(number, time, one.area, one.volume, area, volume, None, None, gradient=one.gradient)
 
 
 def refuse(invalid: InvalidFrame | None, part: Chunk) -> None:
@@ -269,7 +295,7 @@ def trajectory(traj: Any, **options: Any) -> TrajectoryResult:
     Parameters
     ----------
     traj, **options
-        As for `frames`. With ``per_atom=True`` the result has 16 bytes for each atom and frame.
+        As for `frames`, but gradients. With ``per_atom=True`` the result has 16 bytes for each atom and frame.
 
     Returns
     -------
@@ -284,6 +310,8 @@ def trajectory(traj: Any, **options: Any) -> TrajectoryResult:
     >>> found.components
     array([1, 1, 2])
     """
+    if options.get("gradient"):
+        raise InvalidInput("gradient: trajectory() keeps none; frames() yields it frame by frame")
     columns: dict[str, list[Any]] = {}
     for one in frames(traj, **options):
         for name, value in _row(one).items():

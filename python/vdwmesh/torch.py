@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+from vdwmesh._derivatives import rates
 from vdwmesh._exact import exact, pulled_back
 
 torch: Any = import_module("torch")  # types are not checked, whether it is installed or not
@@ -16,7 +17,8 @@ __all__ = ["areas", "measures", "volumes"]
 def measures(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> tuple[Any, Any]:
     """Exact area and volume of every atom, with exact derivatives by coordinates and radii.
 
-    The backward pass measures again, with the incoming gradients as weights. There is no second
+    The backward pass measures again, with the incoming gradients as weights; forward mode
+    (``torch.autograd.forward_ad``, ``torch.func.jvp``) does so along the tangents. There is no second
     derivative: it is infinite where two circles of a sphere touch.
 
     Parameters
@@ -65,6 +67,7 @@ class _Measures(torch.autograd.Function):  # type: ignore[misc]
     @staticmethod
     def forward(ctx: Any, coords: Any, radii: Any, probe: float, threads: int | None) -> tuple[Any, Any]:
         ctx.save_for_backward(coords, radii)
+        ctx.save_for_forward(coords, radii)
         ctx.options = {"probe": probe, "threads": threads}
         union = exact(_array(coords), _array(radii), device="cpu", **ctx.options)
         return (
@@ -79,3 +82,15 @@ class _Measures(torch.autograd.Function):  # type: ignore[misc]
         weights = (_array(area_grads), _array(volume_grads))
         by_coords, by_radii = pulled_back(_array(coords), _array(radii), weights, **ctx.options)
         return torch.tensor(by_coords).to(coords), torch.tensor(by_radii).to(radii), None, None
+
+    @staticmethod
+    def jvp(ctx: Any, move: Any, growth: Any, *_: Any) -> tuple[Any, Any]:
+        coords, radii = ctx.saved_tensors
+        found = rates(
+            _array(coords),
+            _array(radii),
+            move=None if move is None else _array(move),
+            growth=None if growth is None else _array(growth),
+            **ctx.options,
+        )
+        return tuple(torch.tensor(column, device=coords.device) for column in found)  # type: ignore[return-value]

@@ -1,4 +1,4 @@
-"""vdwmesh.exact(gradient=True) and vdwmesh.torch and vdwmesh.jax beside references in quad precision and the program."""
+"""Derivatives of areas and volumes, vdwmesh.torch and vdwmesh.jax beside references in quad precision and the program."""
 
 import csv
 import importlib.util
@@ -62,6 +62,64 @@ class GradientTest(ProgramTest):
                 vdwmesh.exact(*two, gradient=True, weights=weights)
 
 
+    def test_frames(self):
+        """Each frame has the bytes of the frame alone, for both kinds of surface."""
+        dice = np.random.default_rng(11)
+        places, radii = dice.uniform(-3, 3, (6, 20, 3)), dice.uniform(1, 1.9, 20)
+        weights = (dice.normal(size=20), None)
+        for options in ({"probe": 1.4, "weights": weights}, {"surface": "ses"}):
+            found = list(vdwmesh.frames(places, radii=radii, gradient=True, per_atom=True, **options))
+            self.assertEqual([one.frame for one in found], list(range(6)))
+            for one, coords in zip(found, places):
+                alone = vdwmesh.exact(coords, radii, gradient=True, **options)
+                self.assertEqual((one.area, one.volume), (alone.area, alone.volume))
+                np.testing.assert_array_equal(one.atom_area, alone.atom_area)
+                np.testing.assert_array_equal(columns(one.gradient), columns(alone.gradient))
+        for wrong, why in (({"topology": True}, "topology"), ({"weights": [1.0]}, "weights"), ({"atoms": [0]}, "atoms")):
+            with self.assertRaisesRegex(vdwmesh.InvalidInput, why):
+                vdwmesh.frames(places, radii=radii, gradient=True, **wrong)
+        with self.assertRaisesRegex(vdwmesh.InvalidInput, "gradient"):
+            vdwmesh.trajectory(places, radii=radii, gradient=True)
+
+
+class MapTest(unittest.TestCase):
+    """Rates along a motion and the sparse matrix, beside gradients and differences."""
+
+    def setUp(self):
+        dice = np.random.default_rng(7)
+        self.coords, self.radii = dice.uniform(-3, 3, (30, 3)), dice.uniform(1, 1.9, 30)
+        self.move, self.growth = dice.normal(size=(30, 3)), dice.normal(size=30)
+
+    def moved(self, step):
+        found = vdwmesh.exact(self.coords + step * self.move, self.radii + step * self.growth, probe=0.5)
+        return found.atom_area, found.atom_volume
+
+    def test_rates_are_differences(self):
+        step = 1e-5
+        rates = vdwmesh.rates(self.coords, self.radii, move=self.move, growth=self.growth, probe=0.5)
+        for rate, ahead, behind in zip(rates, self.moved(step), self.moved(-step)):
+            np.testing.assert_allclose(rate, (ahead - behind) / (2 * step), atol=1e-5)
+
+    def test_the_matrix_times_the_motion(self):
+        sparse = need_package("python3-scipy", module="scipy.sparse")
+        j = vdwmesh.jacobian(self.coords, self.radii, probe=0.5)
+        self.assertLess(len(j.indices), 30 * 30)
+        rates = vdwmesh.rates(self.coords, self.radii, move=self.move, growth=self.growth, probe=0.5)
+        pairs = ((j.area_coords, j.area_radii, rates.atom_area), (j.volume_coords, j.volume_radii, rates.atom_volume))
+        for by_coords, by_radii, rate in pairs:
+            places = sparse.bsr_matrix((by_coords[:, None], j.indices, j.indptr), shape=(30, 90))
+            sizes = sparse.csr_matrix((by_radii, j.indices, j.indptr), shape=(30, 30))
+            np.testing.assert_allclose(places @ self.move.ravel() + sizes @ self.growth, rate, atol=1e-11)
+
+    def test_part_of_a_motion_and_refusals(self):
+        both = vdwmesh.rates(self.coords, self.radii, move=self.move, growth=self.growth)
+        parts = [vdwmesh.rates(self.coords, self.radii, **{k: getattr(self, k)}) for k in ("move", "growth")]
+        np.testing.assert_allclose(both.atom_area, parts[0].atom_area + parts[1].atom_area, atol=1e-11)
+        for given in ({}, {"move": self.move[1:]}, {"growth": [np.nan] * 30}, {"move": self.growth}, {"growth": 1}):
+            with self.assertRaises(vdwmesh.InvalidInput):
+                vdwmesh.rates(self.coords, self.radii, **given)
+
+
 class PageTest(unittest.TestCase):
     def test_the_packing_relaxes(self):
         """The code of the page: springs and volumes balance in the end."""
@@ -84,7 +142,7 @@ class TorchTest(unittest.TestCase):
         coords = torch.tensor(dice.uniform(-2, 2, (8, 3)), requires_grad=True)
         radii = torch.tensor(dice.uniform(0.9, 1.7, 8), requires_grad=True)
         for function in (vdwmesh.torch.areas, vdwmesh.torch.volumes, vdwmesh.torch.measures):
-            self.assertTrue(torch.autograd.gradcheck(function, (coords, radii), eps=1e-6))
+            self.assertTrue(torch.autograd.gradcheck(function, (coords, radii), eps=1e-6, check_forward_ad=True))
 
     def test_loss_of_float32(self):
         import torch

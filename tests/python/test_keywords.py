@@ -60,6 +60,8 @@ class KeywordPairs(unittest.TestCase):
             "batch": lambda **k: list(vdwmesh.batch([cls.path, cls.path], **k)),
             "sample": lambda **k: vdwmesh.sample("bpti", **k),
             "exact": lambda **k: vdwmesh.exact(coords, radii, **k),
+            "rates": lambda **k: vdwmesh.rates(coords, radii, **{"growth": radii, **k}),
+            "jacobian": lambda **k: vdwmesh.jacobian(coords, radii, **k),
             "interface": lambda **k: vdwmesh.interface(cls.molecule, **k),
             "sasa": lambda **k: vdwmesh.sasa(coords, radii, **k),
             "pockets": lambda **k: vdwmesh.pockets(corners, [1.5] * 8, **k),
