@@ -112,7 +112,9 @@ class Reading {
       app_.parse(words);
     } catch (const CLI::ArgumentMismatch& error) {
       const std::string_view what = error.what();
-      refuse("{}: its value is missing{}", what.substr(0, what.find(':')), see_help());
+      const std::string typed = with_dashes();
+      refuse("{}: its value is missing{}", what.substr(0, what.find(':')),
+             typed.empty() ? see_help() : typed);
     } catch (const CLI::ParseError& error) {
       refuse("{}{}", error.what(), see_help());
     }
@@ -170,6 +172,7 @@ class Reading {
       if (text.empty()) refuse_empty(name);
       if (option.reader.use == Use::reads) files.add_input(name, text);
       if (option.reader.use == Use::writes) files.add_output(name, text);
+      if (name == "--format") refuse_other_format(text);
       option.reader.read(name, text);
     }
   }
@@ -188,14 +191,52 @@ class Reading {
     if (meaning == Absence::Meaning::value) option.reader.read(name, text);
     if (meaning != Absence::Meaning::error) return;
     if (!option.other.empty() && is_given(option.other)) return;
+    const std::string typed = name == "INPUT" ? with_dashes() : "";
+    refuse_if(!typed.empty(), "no {}: the structure stands where a file to write is named{}", name,
+              typed);
     refuse("no {}: {}", name, text);
+  }
+
+  // Whether the word is an option of a file for which - is standard output.
+  bool can_print(const std::string& word) const {
+    return std::ranges::any_of(groups_, [&](const OptionGroup& group) {
+      return std::ranges::any_of(group.options, [&](const Option& option) {
+        return (word == option.short_name() || word == option.long_name()) &&
+               option.reader.use == Use::writes &&
+               option.help.find("standard output") != std::string::npos;
+      });
+    });
+  }
+
+  // "; type: vdwmesh exact 1UBQ.pdb --json -" where no file stands behind --json, or the structure;
+  // empty if that is nowhere so.
+  std::string with_dashes() const {
+    std::vector<std::string> typed;
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      typed.push_back(in_shell(words_[i]));
+      const std::string next = i + 1 < words_.size() ? words_[i + 1] : "--";
+      const bool is_file = next == "-" || !(next.starts_with('-') || has_structure_extension(next));
+      if (can_print(words_[i]) && !is_file) typed.emplace_back("-");
+    }
+    if (typed.size() == words_.size()) return "";
+    return fmt::format("; type: {} {} {}", program_.name, verb_.name, fmt::join(typed, " "));
+  }
+
+  // Other programs have --format for what they write.
+  void refuse_other_format(const std::string& text) const {
+    const std::string advice = advice_on_format(fmt::format("{} {}", program_.name, verb_.name),
+                                                words_, text, names_of(groups_));
+    refuse_if(!advice.empty(), "--format {}: is that of the structure{}", text, advice);
   }
 
   [[noreturn]] void refuse_word(const std::string& word) const {
     const std::string frames = advice_on_trajectory(words_);
     if (!frames.empty()) throw InvalidInput(frames);
     const std::string name = word.substr(0, word.find('='));
-    if (!name.starts_with('-')) refuse("{}: one argument too many{}", word, advice_on(word));
+    if (!name.starts_with('-')) {
+      const std::string typed = with_dashes();
+      refuse("{}: one argument too many{}", word, typed.empty() ? advice_on(word) : typed);
+    }
     const WordViews known = names_of(groups_);
     const std::string advice =
         advice_on_option(fmt::format("{} {}", program_.name, verb_.name), words_, name, known);

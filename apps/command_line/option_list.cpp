@@ -365,7 +365,8 @@ std::vector<Option> output_options(Draft& d) {
   Options& o = d.options;
   return {
       {"-o,--output", kMesh, one(o.mesh_path, text("FILE"), Use::writes),
-       "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh), .vtp .vtu (ParaView, meshio) or .3mf "
+       "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh; .msh4: version 4.1), .vtp .vtu (ParaView, "
+       "meshio) or .3mf "
        "(printers)",
        required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp .vtu .3mf)")},
       {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
@@ -416,7 +417,8 @@ std::vector<Option> output_options(Draft& d) {
       {"-o,--output", kPockets, one(o.output.spheres, text("FILE"), Use::writes),
        "table: .csv, - is standard output; or spheres for viewers: .pdb .pml (PyMOL) .bild "
        "(ChimeraX) .mvsj (Mol*); of places and ways also a plot: .svg"},
-      {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes), "the table"},
+      {"--csv", kPockets, one(o.output.csv, text("FILE"), Use::writes),
+       "the table; - is standard output"},
       {"--scan", kPockets, probe_range(o.pocket_query.scan),
        "the places for probes of LO to HI Å, and at which radii they join, in place of the pockets",
        no_default(), "--shell"},

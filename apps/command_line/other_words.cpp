@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "core/letters.hpp"
+#include "mesh/mesh_io.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::apps {
@@ -30,6 +31,9 @@ constexpr std::string_view kNoPoints = "the measures are exact, without points o
                            kKept = "hydrogens are kept unless --no-hydrogens is given",
                            kDropped = "waters are left out unless --waters is given",
                            kAssumed = "radii of unknown atoms are told from elements, and counted",
+                           kOpaque = "pictures are opaque",
+                           kNoOutlines = "pictures have no outlines",
+                           kText = "PLY and STL are binary files; OBJ, OFF, MSH and VTP are text",
                            kAlone = "a structure stands alone, without an option";
 
 constexpr OtherWord kOptions[] = {
@@ -123,6 +127,12 @@ constexpr OtherWord kOptions[] = {
     {"colour", "--color"},
     {"bfactor", "--b-factor"},
     {"n", "{}", kNoPoints},
+    {"transparency", "{}", kOpaque},
+    {"opacity", "{}", kOpaque},
+    {"alpha", "{}", kOpaque},
+    {"outline", "", kNoOutlines},
+    {"ascii", "", kText},
+    {"binary", "", kText},
     {"unknown", "{}", kAssumed},
     {"cavities", "--voids -"}};
 
@@ -243,6 +253,25 @@ std::string advice_on_option(std::string_view command, const std::vector<std::st
   }
   std::erase(typed, "");
   return fmt::format("{}; type: {} {}", reasons, command, fmt::join(typed, " "));
+}
+
+std::string advice_on_format(std::string_view command, std::vector<std::string> words,
+                             const std::string& format, std::span<const std::string_view> known) {
+  if (find_mesh_format("mesh." + format))
+    return "; the extension of -o FILE chooses that of a mesh";
+  constexpr std::string_view kJson[] = {"--json"}, kCsv[] = {"--csv", "--per-atom"};
+  const std::span<const std::string_view> options =
+      format == "json" ? std::span(kJson) : std::span(kCsv).first(format == "csv" ? 2 : 0);
+  const auto here = std::ranges::find_if(
+      options, [known](std::string_view option) { return is_among(known, option); });
+  const auto there = std::ranges::find_if(
+      words, [](const std::string& word) { return word.starts_with("--format"); });
+  if (here == options.end() || there == words.end()) return "";
+  if (*there == "--format") words.erase(there + 1);
+  there->assign(1, '-');
+  words.emplace(there, *here);
+  for (std::string& word : words) word = in_shell(word);
+  return fmt::format("; type: {} {}", command, fmt::join(words, " "));
 }
 
 std::string advice_on_trajectory(const std::vector<std::string>& words) {

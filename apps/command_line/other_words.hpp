@@ -19,6 +19,10 @@ std::string in_shell(const std::string& word);
 std::string advice_on_option(std::string_view command, const std::vector<std::string>& words,
                              std::string_view unknown, std::span<const std::string_view> known);
 
+// What to do where --format names the form of a table, report or mesh; empty for other forms.
+std::string advice_on_format(std::string_view command, std::vector<std::string> words,
+                             const std::string& format, std::span<const std::string_view> known);
+
 // The options of a verb.
 using OptionsOfVerb = std::function<std::vector<std::string_view>(std::string_view verb)>;
 

@@ -108,22 +108,21 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
   if (!has_patches) warn_of_lost_balls(structure.spheres, session);
   report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
   const MeshFormat format = mesh_format(path);
-  const bool is_ply = format == MeshFormat::ply;
+  const bool is_ply = format == MeshFormat::ply,
+             is_msh = format == MeshFormat::msh || format == MeshFormat::msh4;
   if (has_patches && !is_ply) {
     report.notes.push_back(
-        path + (format == MeshFormat::msh
-                    ? ": does not have curvatures; only PLY does"
-                    : ": does not say which patch each triangle is part of, nor curvatures; PLY "
-                      "does, and MSH has the patches"));
+        path + (is_msh ? ": does not have curvatures; only PLY does"
+                       : ": does not say which patch each triangle is part of, nor curvatures; PLY "
+                         "does, and MSH has the patches"));
   }
   const bool has_spheres =
-      is_ply || format == MeshFormat::msh || format == MeshFormat::vtp || format == MeshFormat::vtu;
+      is_ply || is_msh || format == MeshFormat::vtp || format == MeshFormat::vtu;
   if (!made.mesh.triangle_spheres.empty() && !has_spheres) {
     report.notes.push_back(
         path + ": does not say which sphere each triangle is part of; PLY, MSH, VTP and VTU do");
   }
-  if (format == MeshFormat::msh && result.topology.closed)
-    report.notes.push_back(filled_by_gmsh(path));
+  if (is_msh && result.topology.closed) report.notes.push_back(filled_by_gmsh(path));
   result.path = path;
   session.end_stage(&Timing::write);
 }

@@ -91,11 +91,9 @@ void run_report(const Options& options) {
                          companions_of(spheres, options, measured, distances, session));
   if (!session.report.exact) measure_exactly(spheres, options.exact, session, measured);
   measure_polarity(molecule, session);
-  if (distances) {
-    compare_with_exact(spheres, distances, session);
-  } else {
-    compare_with_exact(mesh, spheres, options.distances, session);
-  }
+  if (!distances && options.distances.distances == Switch::on)
+    distances = take_distances(mesh, spheres, options.distances, session);
+  compare_with_exact(spheres, distances, session);
   prove(mesh, molecule, session);
   if (!options.picture.path.empty()) draw_distances(mesh, spheres, options.picture, session);
   if (!options.output.per_atom.empty()) {

@@ -1,5 +1,5 @@
-// Derivatives of the exact measures for Python, apart from those that come with the measures: along a
-// motion, and all of them as a sparse matrix.
+// Derivatives of the exact measures for Python, apart from those that come with the measures: along
+// a motion, and all of them as a sparse matrix.
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
@@ -17,8 +17,8 @@ Array union_rates(const py::buffer& coords, const py::buffer& radii, const py::o
   std::vector<Vec3d> moves;
   if (!move.is_none()) moves = points_of(Numbers(move.cast<py::buffer>(), "move", 2));
   const std::vector<double> growths = numbers_of(growth, "growth");
-  const auto rates = std::make_shared<const std::vector<SphereMeasures>>(
-      call(threads, [&](Monitor& monitor) {
+  const auto rates =
+      std::make_shared<const std::vector<SphereMeasures>>(call(threads, [&](Monitor& monitor) {
         return measure_rates(spheres_of(centers, sizes, probe), moves, growths, &monitor);
       }));
   static_assert(sizeof(SphereMeasures) == 2 * sizeof(double));
@@ -29,10 +29,9 @@ Array union_rates(const py::buffer& coords, const py::buffer& radii, const py::o
 py::tuple jacobian(const py::buffer& coords, const py::buffer& radii, double probe,
                    std::optional<int> threads) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
-  const auto found =
-      std::make_shared<const UnionJacobian>(call(threads, [&](Monitor& monitor) {
-        return union_jacobian(spheres_of(centers, sizes, probe), &monitor);
-      }));
+  const auto found = std::make_shared<const UnionJacobian>(call(threads, [&](Monitor& monitor) {
+    return union_jacobian(spheres_of(centers, sizes, probe), &monitor);
+  }));
   const auto* const entries = reinterpret_cast<const double*>(found->blocks.data());
   return py::make_tuple(array_of(found, found->first.data(), found->first.size()),
                         array_of(found, found->columns.data(), found->columns.size()),

@@ -155,7 +155,7 @@ class Mesh:
         return bool(self._summary["closed"])
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a mesh file: .ply, .obj, .off, .stl, .glb, .msh, .vtp, .vtu or .3mf, by the extension.
+        """Write a mesh file: .ply, .obj, .off, .stl, .glb, .msh, .msh4, .vtp, .vtu or .3mf, by the extension.
 
         Losses of the format, such as float32 coordinates, are warnings.
         """

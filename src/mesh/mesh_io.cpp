@@ -63,7 +63,7 @@ formats::Warnings write(formats::MeshView view, MeshFormat format, ByteSink& sin
   check_writable(view);
   Buffer<Vec3f> normals;
   if (view.mesh.normals.empty() && format != MeshFormat::off && format != MeshFormat::stl &&
-      format != MeshFormat::msh && format != MeshFormat::three_mf) {
+      format != MeshFormat::msh && format != MeshFormat::msh4 && format != MeshFormat::three_mf) {
     normals = normals_of_triangles(view.mesh);
   }
   view.normals = normals.empty() ? std::span(view.mesh.normals) : std::span(normals);
@@ -86,6 +86,9 @@ formats::Warnings write(formats::MeshView view, MeshFormat format, ByteSink& sin
       break;
     case MeshFormat::msh:
       formats::write_msh(view, sink);
+      break;
+    case MeshFormat::msh4:
+      formats::write_msh4(view, sink);
       break;
     case MeshFormat::vtp:
       formats::write_vtp(view, sink);
@@ -189,7 +192,8 @@ std::optional<MeshFormat> find_mesh_format(const fs::path& path) {
   if (extension == ".off") return MeshFormat::off;
   if (extension == ".stl") return MeshFormat::stl;
   if (extension == ".glb") return MeshFormat::glb;
-  if (extension == ".msh") return MeshFormat::msh;
+  if (extension == ".msh" || extension == ".msh2") return MeshFormat::msh;
+  if (extension == ".msh4") return MeshFormat::msh4;
   if (extension == ".vtp") return MeshFormat::vtp;
   if (extension == ".vtu") return MeshFormat::vtu;
   if (extension == ".3mf") return MeshFormat::three_mf;
@@ -199,7 +203,7 @@ std::optional<MeshFormat> find_mesh_format(const fs::path& path) {
 MeshFormat mesh_format(const fs::path& path) {
   if (const auto format = find_mesh_format(path)) return *format;
   throw InvalidInput(fmt::format(
-      "{}: the name of a mesh file ends in .ply .obj .off .stl .glb .msh .vtp .vtu or .3mf",
+      "{}: the name of a mesh file ends in .ply .obj .off .stl .glb .msh .msh4 .vtp .vtu or .3mf",
       path.string()));
 }
 
@@ -259,11 +263,13 @@ MeshFile decode_mesh(std::string_view bytes, MeshFormat format, std::uint64_t me
     case MeshFormat::glb:
       return formats::read_glb(bytes, memory_limit);
     case MeshFormat::msh:
+    case MeshFormat::msh4:
     case MeshFormat::vtp:
     case MeshFormat::vtu:
     case MeshFormat::three_mf:
       throw InvalidInput(
-          ".msh .vtp .vtu and .3mf are written here and not read; .ply .stl .obj .off .glb are");
+          ".msh .msh4 .vtp .vtu and .3mf are written here and not read; .ply .stl .obj .off .glb "
+          "are");
   }
   throw InvalidInput("no such mesh format");
 }

@@ -1,5 +1,5 @@
 // Reading and writing of mesh files. The extension of the name decides on the format: .ply .obj
-// .off .stl or .glb; .msh, .vtp, .vtu and .3mf are written alone. A file that is written appears
+// .off .stl or .glb; .msh, .msh2, .msh4, .vtp, .vtu and .3mf are written alone. A file that is written appears
 // whole or not at all: it is renamed to its name when it is complete.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace vdwmesh {
 
 class Monitor;
 
-enum class MeshFormat { ply, obj, off, stl, glb, msh, vtp, vtu, three_mf };
+enum class MeshFormat { ply, obj, off, stl, glb, msh, msh4, vtp, vtu, three_mf };
 
 // The format by the extension of `path`, whose case does not matter. Empty for other extensions.
 std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path);
@@ -33,7 +33,7 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 //   STL: binary, float32.
 //   GLB: float32 relative to the middle of the mesh, which the translation of the node restores;
 //        colours in linear light, which glTF wants, on a material that is no metal.
-//   MSH, VTP, VTU: text, with the atom of each triangle.
+//   MSH (.msh, .msh2: version 2.2; .msh4: 4.1), VTP, VTU: text, with the atom of each triangle.
 //   3MF: text in an archive, in millimetres: 1 Å is 1 mm.
 // Returns warnings for people: coordinates that move by more than 1e-4 Å when they become float32
 // (STL, GLB), and triangles of which two corners become equal (STL).

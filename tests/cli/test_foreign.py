@@ -248,9 +248,14 @@ class ForeignReaders(ProgramTest):
         self.assert_close(volume, mesh["volume"], 1e-5)
 
     def test_gmsh(self):
-        """It fills the surface of a file of its own form, by the commands that a note says."""
+        """It fills the surface of a file of its own forms, by the commands that a note says."""
+        for extension in (".msh", ".msh4"):
+            with self.subTest(extension):
+                self.fill_by_gmsh(extension)
+
+    def fill_by_gmsh(self, extension):
         need_package("gmsh", program="gmsh")
-        path, json_path = self.folder / "it's g.msh", self.folder / "g.json"
+        path, json_path = self.folder / f"it's g{extension}", self.folder / "g.json"
         self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *SURFACES["crease-exact"])
         report = parse_json(json_path.read_text())
         mesh = report["mesh"]
@@ -264,6 +269,22 @@ class ForeignReaders(ProgramTest):
             a, b, c, d = (volume.points[i] for i in cell)
             total += abs(dot(a - d, cross(b - d, c - d))) / 6
         self.assert_close(total, mesh["volume"], 1e-5)
+
+    def test_surfaces_of_gmsh(self):
+        """Both versions of its form have the same triangles of the same atoms, or patches, in both numbers."""
+        meshio, np = need_package("python3-meshio", module="meshio"), need_package("python3-numpy", module="numpy")
+        for options in (SURFACES["crease-exact"], ("--surface", "ses")):
+            found = []
+            for extension in (".msh2", ".msh4"):
+                path = self.folder / f"a{extension}"
+                self.run_ok("mesh", MOLECULE, "-o", path, *options)
+                mesh = meshio.read(path, "gmsh")
+                tags = [np.concatenate(mesh.cell_data[f"gmsh:{kind}"]) for kind in ("physical", "geometrical")]
+                corners = np.concatenate([block.data for block in mesh.cells])
+                found.append(sorted(map(tuple, np.column_stack((corners, *tags)).tolist())))
+                places = mesh.points if extension == ".msh2" else np.abs(mesh.points - places).max()
+            self.assertEqual(found[0], found[1])
+            self.assertEqual(places, 0)
 
     def test_admesh(self):
         """It reads STL, joins equal corners, and says what a printer would have to repair: nothing."""

@@ -229,7 +229,7 @@ class Limits(ProgramTest):
         self.run_ok("mesh", UBIQUITIN, "-o", self.folder / "a.ply", *grid, "--memory-limit", "120M")
         report = ("report", UBIQUITIN, "--subdivide", "0", "--distances", "off", *grid, "--memory-limit", "80M")
         self.run_ok(*report, "--self-intersections", "off", "--cgal-check", "off", "--quiet")
-        self.assert_refused(LIMIT_HIT, *report, "--self-intersections", "off", says=("check by CGAL",))
+        self.assert_refused(LIMIT_HIT, *report, "--self-intersections", "off", says=("check by CGAL", "--cgal-check off"))
         self.run_ok(*report, "--cgal-check", "off", "--quiet")
 
     def test_what_the_message_names_would_do(self):
@@ -405,7 +405,7 @@ class FirstMistakes(ProgramTest):
         self.says("mesh", UBIQUITIN, "a.stl", next_step="; an output is named by -o FILE")
         self.says("exact", UBIQUITIN, "a.stl", next_step="; vdwmesh exact --help")
         self.says("report", UBIQUITIN, "-o", "a.stl", next_step="; it writes no mesh, vdwmesh mesh does;")
-        self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl .glb .msh .vtp .vtu or .3mf")
+        self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl .glb .msh .msh4 .vtp .vtu or .3mf")
         self.says("mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply", next_step="make it first")
         self.says("render", UBIQUITIN, "-o", "a.jpg", next_step="name a .png file")
 

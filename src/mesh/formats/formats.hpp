@@ -45,7 +45,8 @@ void write_obj(const MeshView& view, ByteSink& sink);
 void write_off(const MeshView& view, ByteSink& sink);
 void write_stl(const MeshView& view, ByteSink& sink, Warnings& warnings);
 void write_glb(const MeshView& view, ByteSink& sink, Warnings& warnings);
-void write_msh(const MeshView& view, ByteSink& sink);
+void write_msh(const MeshView& view, ByteSink& sink);   // version 2.2
+void write_msh4(const MeshView& view, ByteSink& sink);  // version 4.1
 void write_vtp(const MeshView& view, ByteSink& sink);
 void write_vtu(const MeshView& view, ByteSink& sink);
 void write_3mf(const MeshView& view, ByteSink& sink);

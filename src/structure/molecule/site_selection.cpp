@@ -159,6 +159,7 @@ std::string SiteSelection::read_names(std::string_view text, ParsedFile& file,
 }
 
 SiteSelection::SiteSelection(const std::string& text, ParsedFile& file) {
+  refuse_words_of_others(text);
   try {
     if (is_in_words(text)) {
       words_ = test_in_words(text);

@@ -303,6 +303,23 @@ bool is_in_words(std::string_view text) {
   return is_negated;
 }
 
+void refuse_words_of_others(std::string_view text) {
+  constexpr std::string_view kNear[] = {"within", "exwithin", "around",  "beyond",   "near_to",
+                                        "expand", "byres",    "bychain", "byresidue"};
+  const std::vector<std::string> words = words_of(text);
+  const auto near = std::ranges::find_if(
+      words, [&](const std::string& word) { return std::ranges::count(kNear, lower_case(word)); });
+  if (words.size() > 1 && near != words.end())
+    throw InvalidInput(
+        fmt::format("selection {}: {} is not known, atoms are not selected by distance or as "
+                    "neighbours; name residues: chain A and resi 10+12",
+                    in_quotes(text), in_quotes(*near)));
+  const std::size_t comma = text.find(',');
+  if (comma == text.npos || is_in_words(text) || !is_in_words(text.substr(comma + 1))) return;
+  throw InvalidInput(fmt::format("selection {}: has a name in front, as in PyMOL; leave it out: {}",
+                                 in_quotes(text), in_quotes(trimmed(text.substr(comma + 1)))));
+}
+
 SiteTest test_in_words(std::string_view text) { return SelectionWords(text).read(); }
 
 }  // namespace vdwmesh

@@ -27,4 +27,8 @@ bool is_in_words(std::string_view text);
 // grammar does not have.
 SiteTest test_in_words(std::string_view text);
 
+// Throws InvalidInput for what selections of other programs have and these do not: distances, whole
+// residues around atoms, and the name that PyMOL puts in front.
+void refuse_words_of_others(std::string_view text);
+
 }  // namespace vdwmesh
