@@ -1,6 +1,6 @@
 // Reading and writing of mesh files. The extension of the name decides on the format: .ply .obj
-// .off .stl or .glb; .msh, .msh2, .msh4, .vtp, .vtu and .3mf are written alone. A file that is written appears
-// whole or not at all: it is renamed to its name when it is complete.
+// .off .stl or .glb; .msh, .msh2, .msh4, .vtp, .vtu and .3mf are written alone. A file that is
+// written appears whole or not at all: it is renamed to its name when it is complete.
 #pragma once
 
 #include <cstdint>
