@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator
 
 import numpy as np
 
-from vdwmesh import _core, _tables
+from vdwmesh import _core, _sinks
 from vdwmesh._arrays import Brief, chosen
 from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
 from vdwmesh._exact import ExactUnion, UnionGradient, refuse_beside_gradient, refuse_weights, weight_pair, with_gradient
@@ -278,15 +278,15 @@ class TrajectoryResult(Brief):
 
     def to_pandas(self) -> Any:
         """The result as a ``pandas.DataFrame``, a row for each frame."""
-        return _tables.to_pandas(self)
+        return _sinks.to_pandas(self)
 
     def to_xarray(self) -> Any:
         """The result as an ``xarray.Dataset`` with the dimensions "frame" and "atom"."""
-        return _tables.to_xarray(self)
+        return _sinks.to_xarray(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a file: .csv; .h5 (h5py or PyTables is needed) or .nc (SciPy), by the extension."""
-        _tables.save(self, path)
+        _sinks.save(self, path)
 
 
 def trajectory(traj: Any, **options: Any) -> TrajectoryResult:
