@@ -284,12 +284,67 @@ py::tuple measure_frames_there(const py::tuple& coords, const py::object& radii,
   return py::tuple(lists_of(std::move(found), request.exact.topology) + py::make_tuple(there));
 }
 
+// Weights of the atoms that lie where the coordinates do; null stands for 1.
+const double* weights_there(const std::optional<CudaInput>& weights, const DeviceFrames& balls) {
+  if (!weights) return nullptr;
+  const bool dense = weights->strides.at(0) == py::ssize_t{sizeof(double)} || balls.atoms() == 1;
+  if (weights->type != CoordinateType::float64 || !dense) {
+    throw InvalidInput("weights: on a device they are float64 without gaps");
+  }
+  if (weights->shape.at(0) != balls.atoms()) {
+    throw InvalidInput(fmt::format("weights: has {} numbers for {} atoms of coords",
+                                   weights->shape.at(0), balls.atoms()));
+  }
+  return reinterpret_cast<const double*>(weights->first);
+}
+
+// A column of the derivatives, of one number or three an atom.
+CudaArray slope_there(const std::shared_ptr<const CudaMeasures>& there, const double* first,
+                      std::size_t atoms, std::size_t columns) {
+  return {array_of(there, first, atoms, columns, sizeof(BallGradient)), there->device()};
+}
+
+// The measures of one set in device memory and their derivatives, which are left there: the result
+// of measure_on_device, and by centres and radii the derivatives of area and of volume, and how
+// many atoms may have none.
+py::tuple gradient_there(const py::tuple& coords, const py::object& radii,
+                         const py::object& area_weights, const py::object& volume_weights,
+                         const py::kwargs& given) {
+  const MeasureCall request(given);
+  const DeviceFrames balls = frames_of(coords, radii, request.unit, request.exact.probe);
+  const auto weights_of = [](const py::object& weights) {
+    return weights.is_none() ? std::nullopt
+                             : std::optional<CudaInput>(std::in_place, weights, "weights");
+  };
+  const auto areas = weights_of(area_weights), volumes = weights_of(volume_weights);
+  const BatchWeights weights{weights_there(areas, balls), weights_there(volumes, balls)};
+  Found found = call(request.threads, [&](Monitor& monitor) {
+    Found one;
+    one.there = std::make_shared<const CudaMeasures>(
+        gradients_on_device(one.frames, balls, weights, options_of(request, nullptr, monitor)));
+    one.invalid = balls.invalid();
+    return one;
+  });
+  const py::object there = columns_there(found, balls.atoms());
+  py::object slopes = py::none();
+  if (const BallGradient* g = found.frames.empty() ? nullptr : found.there->gradients()) {
+    slopes = py::make_tuple(slope_there(found.there, &g->area_center.x, balls.atoms(), 3),
+                            slope_there(found.there, &g->area_radius, balls.atoms(), 0),
+                            slope_there(found.there, &g->volume_center.x, balls.atoms(), 3),
+                            slope_there(found.there, &g->volume_radius, balls.atoms(), 0),
+                            found.there->kink_spheres());
+  }
+  return py::tuple(lists_of(std::move(found), TopologyRequest::none) +
+                   py::make_tuple(there, slopes));
+}
+
 }  // namespace
 
 void bind_measures(py::module_& module) {
   module.def("measure", &measure);
   module.def("measure_gradient", &measure_gradient);
   module.def("measure_on_device", &measure_frames_there);
+  module.def("gradient_on_device", &gradient_there);
 }
 
 }  // namespace vdwmesh::python

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         signed_distance,
     )
     from vdwmesh._core import version as __version__
-    from vdwmesh._cuda import CudaArray, CudaAtoms, CudaMesh
+    from vdwmesh._cuda import CudaArray, CudaAtoms, CudaGradient, CudaMesh
     from vdwmesh._derivatives import Jacobian, Rates, jacobian, rates
     from vdwmesh._exact import ExactUnion, UnionGradient, exact, sasa
     from vdwmesh._excluded import (
@@ -66,6 +66,7 @@ __all__ = [
     "CudaArray",
     "CudaAtoms",
     "CudaError",
+    "CudaGradient",
     "CudaMesh",
     "DistanceStatistics",
     "Distribution",
@@ -131,7 +132,7 @@ _HOMES = {
     "_batch": "BatchRow batch",
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
-    "_cuda": "CudaArray CudaAtoms CudaMesh",
+    "_cuda": "CudaArray CudaAtoms CudaGradient CudaMesh",
     "_derivatives": "Jacobian Rates jacobian rates",
     "_exact": "ExactUnion UnionGradient exact sasa",
     "_excluded": "AccessibleComponent ExcludedGradient ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",

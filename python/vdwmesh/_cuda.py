@@ -125,6 +125,24 @@ class CudaMesh:
 
 
 @dataclass(frozen=True, eq=False)
+class CudaGradient:
+    """Derivatives in the memory of a CUDA device, as of `UnionGradient`. Rows are 64 bytes apart.
+
+    Attributes
+    ----------
+    area_coords, volume_coords : CudaArray of float64, shape (N, 3)
+    area_radii, volume_radii : CudaArray of float64, shape (N,)
+    kink_atoms : int
+    """
+
+    area_coords: CudaArray
+    area_radii: CudaArray
+    volume_coords: CudaArray
+    volume_radii: CudaArray
+    kink_atoms: int
+
+
+@dataclass(frozen=True, eq=False)
 class CudaAtoms:
     """Measures of atoms in the memory of a CUDA device; NaN for atoms that were not to be measured.
 
@@ -132,10 +150,13 @@ class CudaAtoms:
     ----------
     atom_area, atom_volume : CudaArray of float64, shape (N,)
         Å², Å³. Their elements are 16 bytes apart.
+    gradient : CudaGradient or None
+        None where it was not asked for.
     """
 
     atom_area: CudaArray
     atom_volume: CudaArray
+    gradient: CudaGradient | None = None
 
 
 @dataclass(frozen=True, eq=False)

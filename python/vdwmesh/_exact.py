@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
 import numpy as np
 
 from vdwmesh import _core
 from vdwmesh._arrays import Brief, chosen, floats, refuse_masked, view
-from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, HasCudaArray
+from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, HasCudaArray, is_on_device, on_device
 from vdwmesh._excluded import ExcludedMeasures, measure_excluded
-from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, as_arrays, measure
+from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, as_arrays, measure, measure_gradient_there
 from vdwmesh._sources import Atoms, arrays_anywhere, arrays_of
 from vdwmesh.errors import InvalidInput
 
@@ -69,7 +69,7 @@ class ExactUnion(Brief):
     cuda : CudaAtoms or None
         Measures of the atoms in the memory of the device, if the coordinates were there.
     gradient : UnionGradient or None
-        None where it was not asked for.
+        None where it was not asked for, and where coordinates are on a device: `cuda` has it there.
     """
 
     area: float
@@ -161,11 +161,12 @@ def exact(
         A CUDA device measures areas and volumes by "arcs"; "auto" uses it from 500,000 atoms on. Of
         the excluded surface "auto" is the CPU, and "cuda" leaves topology and exterior out.
     gradient : bool
-        Whether the derivatives of area and volume are computed in the same pass, on the CPU. It is of
-        all atoms; that of a union by "arcs".
+        Whether the derivatives of area and volume are computed in the same pass, on the CPU, or on the
+        device where the coordinates are. It is of all atoms; that of a union by "arcs".
     weights : array_like, shape (N,), or a tuple of two, optional
         The gradient is that of the sum of weight times area of each atom, and of the same with
-        volumes; a tuple has the weights of areas and of volumes. None stands for weights of 1.
+        volumes; a tuple has the weights of areas and of volumes. None stands for weights of 1. Beside
+        coordinates on a device they are there too, as float64.
 
     Returns
     -------
@@ -192,13 +193,14 @@ def exact(
     if _core.is_excluded(surface):
         if atoms is not None:
             raise InvalidInput(f'atoms: does not go with surface="{surface}"; leave one of them out')
-        arrays = arrays_of(coords, radii)[:2]
-        return measure_excluded(*arrays, probe, topology, threads, device, gradient, method=method)
+        return measure_excluded(*arrays_of(coords, radii)[:2], probe, topology, threads, device, gradient, method=method)
     if gradient:
         options = Options.of(probe, topology, threads, device, surface=surface, method=method)
-        refuse_beside_gradient(options, atoms)
-        arrays = arrays_of(coords, radii)[:2]
+        arrays: tuple[Any, Any] = arrays_anywhere(coords, radii, device)[:2]
         count = len(arrays[0])
+        if isinstance(arrays[0], CudaInput):
+            return _with_gradient_there(*arrays, replace(options, device="auto"), atoms, weights)
+        refuse_beside_gradient(options, atoms)
         if len(arrays[1]) != count:
             raise InvalidInput(f"radii: has {len(arrays[1])} numbers for {count} atoms of coords")
         return with_gradient(*arrays, options, weight_pair(weights, count))
@@ -262,6 +264,19 @@ def with_gradient(
     table = view(rows)
     gradient = UnionGradient(table[:, :3], table[:, 3], table[:, 4:7], table[:, 7], kinks)
     return ExactUnion(**as_arrays(found), gradient=gradient)
+
+
+def _with_gradient_there(coords: CudaInput, radii: Any, options: Options, atoms: Any, weights: Any) -> ExactUnion:
+    """The same of a set on a device, where the gradient and its weights are too."""
+    refuse_beside_gradient(options, atoms)
+    pair = weights if isinstance(weights, tuple) and len(weights) == 2 else (weights, weights)
+    for w in pair:
+        if w is not None and not is_on_device(w):
+            raise InvalidInput("weights: are on the host, but coords on a CUDA device; copy them there")
+    there = [None if w is None else on_device("weights", w, "(N,)") for w in pair]
+    found = measure_gradient_there(coords, radii, there, replace(options, per_atom=True))
+    _refuse(found.invalid, 0, False)
+    return ExactUnion(**found.frames[0])
 
 
 def pulled_back(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vdwmesh import _core
 from vdwmesh._arrays import Brief, given_number, thread_count, view
-from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, packed
+from vdwmesh._cuda import CudaArray, CudaAtoms, CudaGradient, CudaInput, packed
 
 if TYPE_CHECKING:
     from vdwmesh._types import Floats, Ids, NDArray
@@ -161,15 +161,32 @@ def measure(
     frames: NDArray[Any] | CudaInput, radii: NDArray[Any] | CudaInput, options: Options
 ) -> Measured:
     """The measures of each frame (T, N, 3)."""
-    columns = None
     if isinstance(frames, CudaInput):
-        found, groups, invalid, columns = _core.measure_on_device(
-            frames.packed, packed(radii), **vars(options)
-        )
-    else:
-        found, groups, invalid = _core.measure(frames, radii, **vars(options))
+        return _measured(*_core.measure_on_device(frames.packed, packed(radii), **vars(options)))
+    return _measured(*_core.measure(frames, radii, **vars(options)))
+
+
+def measure_gradient_there(coords: CudaInput, radii: Any, weights: list[Any], options: Options) -> Measured:
+    """The measures of one set (N, 3) on a device, with the gradient in ``cuda`` of the one frame."""
+    frame = coords.as_frames()
+    given = [None if w is None else packed(w) for w in weights]
+    *found, slopes = _core.gradient_on_device(frame.packed, packed(radii), *given, **vars(options))
+    measured = _measured(*found)
+    if slopes is not None:
+        a, ar, v, vr, kinks = slopes
+        gradient = CudaGradient(CudaArray(a), CudaArray(ar), CudaArray(v), CudaArray(vr), kinks)
+        measured.frames[0]["cuda"] = replace(measured.frames[0]["cuda"], gradient=gradient)
+    return measured
+
+
+def _atoms(areas: Any, volumes: Any) -> CudaAtoms:
+    return CudaAtoms(CudaArray(areas), CudaArray(volumes))
+
+
+def _measured(found: list[dict[str, Any]], groups: list[Any], invalid: Any, columns: Any = None) -> Measured:
+    """What the C++ side found, with the classes that users see."""
     for k, one in enumerate(found):
-        one["cuda"] = columns and CudaAtoms(*(CudaArray(column.row(k)) for column in columns))
+        one["cuda"] = columns and _atoms(*(column.row(k) for column in columns))
         as_arrays(one)
         if one["counts"] is not None:
             one["counts"] = Counts(**one["counts"])
@@ -182,5 +199,5 @@ def measure(
         found,
         [view(sums) for sums in groups],
         None if invalid is None else InvalidFrame(*invalid),
-        columns and CudaAtoms(*map(CudaArray, columns)),
+        columns and _atoms(*columns),
     )

@@ -17,7 +17,7 @@ __all__ = ["areas", "measures", "volumes"]
 def measures(coords: Any, radii: Any, *, probe: float = 0.0, threads: int | None = None) -> tuple[Any, Any]:
     """Exact area and volume of every atom, with exact derivatives by coordinates and radii.
 
-    The backward pass measures again, with the incoming gradients as weights; forward mode
+    Tensors on a CUDA device are measured there, where their gradients are too. The backward pass measures again, with the incoming gradients as weights; forward mode
     (``torch.autograd.forward_ad``, ``torch.func.jvp``) does so along the tangents. There is no second
     derivative: it is infinite where two circles of a sphere touch.
 
@@ -63,22 +63,40 @@ def _array(tensor: Any) -> Any:
     return tensor.detach().to("cpu", torch.float64).numpy()
 
 
+def _there(tensor: Any, device: Any) -> Any:
+    return tensor.detach().to(device, torch.float64).contiguous()
+
+
+def _tensor(array: Any, device: Any) -> Any:
+    """A copy, to which autograd may write, of an array on the host or the device."""
+    return torch.tensor(array, device=device) if device.type == "cpu" else torch.as_tensor(array, device=device).clone()
+
+
 class _Measures(torch.autograd.Function):  # type: ignore[misc]
     @staticmethod
     def forward(ctx: Any, coords: Any, radii: Any, probe: float, threads: int | None) -> tuple[Any, Any]:
         ctx.save_for_backward(coords, radii)
         ctx.save_for_forward(coords, radii)
         ctx.options = {"probe": probe, "threads": threads}
-        union = exact(_array(coords), _array(radii), device="cpu", **ctx.options)
-        return (
-            torch.tensor(union.atom_area, device=coords.device),
-            torch.tensor(union.atom_volume, device=coords.device),
-        )
+        place = coords.device
+        found: Any
+        if coords.is_cuda:
+            found = exact(_there(coords, place), _there(radii, place), **ctx.options).cuda
+        else:
+            found = exact(_array(coords), _array(radii), device="cpu", **ctx.options)
+        return _tensor(found.atom_area, place), _tensor(found.atom_volume, place)
 
     @staticmethod
     @once_differentiable  # type: ignore[misc]
     def backward(ctx: Any, area_grads: Any, volume_grads: Any) -> tuple[Any, Any, None, None]:
         coords, radii = ctx.saved_tensors
+        if coords.is_cuda:
+            args = [_there(tensor, coords.device) for tensor in (coords, radii, area_grads, volume_grads)]
+            there: Any = exact(*args[:2], gradient=True, weights=(args[2], args[3]), **ctx.options).cuda
+            g = there.gradient
+            columns = (g.area_coords, g.area_radii, g.volume_coords, g.volume_radii)
+            by_a, by_ar, by_v, by_vr = (_tensor(column, coords.device) for column in columns)
+            return (by_a + by_v).to(coords), (by_ar + by_vr).to(radii), None, None
         weights = (_array(area_grads), _array(volume_grads))
         by_coords, by_radii = pulled_back(_array(coords), _array(radii), weights, **ctx.options)
         return torch.tensor(by_coords).to(coords), torch.tensor(by_radii).to(radii), None, None

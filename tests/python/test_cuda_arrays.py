@@ -83,6 +83,10 @@ class RefusalsTest(unittest.TestCase):
         self.assert_refused(ValueError, 'device: is "cpu"', vdwmesh.exact, Fake(), [1, 1], device="cpu")
         self.assert_refused(RuntimeError, "coords: are on a CUDA device, which measures", vdwmesh.exact,
                             Fake(), [1, 1], topology=True)  # fmt: skip
+        self.assert_refused(ValueError, "gradient: is of areas and volumes of all atoms", vdwmesh.exact, Fake(), [1, 1],
+                            gradient=True, atoms=[0])  # fmt: skip
+        self.assert_refused(ValueError, "weights: are on the host", vdwmesh.exact, Fake(), [1, 1], gradient=True,
+                            weights=[1, 1])  # fmt: skip
         self.assert_refused(RuntimeError, "surface: the excluded surface", vdwmesh.mesh, Fake(), [1, 1],
                             surface="excluded")  # fmt: skip
         self.assert_refused(RuntimeError, "radii: is on a CUDA device", vdwmesh.exact, [[0, 0, 0]],
@@ -202,6 +206,49 @@ class DeviceTest(unittest.TestCase):
                     self.assertEqual(getattr(found.cuda, name).to_numpy().tobytes(), wanted)
                 cpu = vdwmesh.exact(self.molecule, device="cpu", **options)
                 self.assertLess(abs(found.area - cpu.area), 1e-11 * cpu.area)
+
+    def test_gradients_are_those_of_the_host(self):
+        """Left on the device, with weights that lie there."""
+        dice = np.random.default_rng(5)
+        weights = dice.normal(size=(2, len(self.molecule.radii)))
+        there = OnDevice(weights[0]), OnDevice(weights[1])
+        names = ("area_coords", "area_radii", "volume_coords", "volume_radii")
+        for given, on_host in ((None, None), (there, tuple(weights)), (there[0], weights[0]), ((None, there[1]), (None, weights[1]))):
+            found = vdwmesh.exact(self.coords, self.radii, probe=1.4, gradient=True, weights=given)
+            expected = vdwmesh.exact(self.molecule, probe=1.4, gradient=True, weights=on_host)
+            self.assertIsNone(found.gradient)
+            np.testing.assert_allclose(found.area, expected.area, rtol=1e-12)
+            np.testing.assert_allclose(found.atom_area, expected.atom_area, atol=1e-10)
+            np.testing.assert_array_equal(values_of(found.cuda.atom_area), found.atom_area)
+            for name in names:
+                slope, wanted = getattr(found.cuda.gradient, name), getattr(expected.gradient, name)
+                self.assertEqual(slope.shape, wanted.shape)
+                np.testing.assert_allclose(slope.to_numpy(), wanted, atol=1e-9)
+                np.testing.assert_array_equal(values_of(slope), slope.to_numpy())
+            self.assertEqual(found.cuda.gradient.kink_atoms, expected.gradient.kink_atoms)
+        for wrong in (weights[0], OnDevice(weights[0][1:]), OnDevice(weights[0].astype(np.float32))):
+            with self.assertRaisesRegex(vdwmesh.InvalidInput, "weights"):
+                vdwmesh.exact(self.coords, self.radii, gradient=True, weights=wrong)
+
+    def test_torch_stays_on_the_device(self):
+        if importlib.util.find_spec("torch") is None:
+            self.skipTest("PyTorch is not installed")
+        import torch
+        import vdwmesh.torch
+
+        if not torch.cuda.is_available():
+            self.skipTest("PyTorch has no CUDA")
+        found = []
+        for place in ("cpu", "cuda"):
+            coords = torch.tensor(self.molecule.coords, device=place, requires_grad=True)
+            radii = torch.tensor(self.molecule.radii, device=place, requires_grad=True)
+            areas, volumes = vdwmesh.torch.measures(coords, radii, probe=1.4)
+            self.assertEqual(areas.device.type, place)
+            (torch.sin(areas).sum() + 0.1 * volumes.sum()).backward()
+            self.assertEqual(coords.grad.device.type, place)
+            found.append([t.detach().cpu().numpy() for t in (areas, volumes, coords.grad, radii.grad)])
+        for host, there in zip(*found):
+            np.testing.assert_allclose(there, host, atol=1e-8)
 
     def test_sasa(self):
         frames = np.stack([self.molecule.coords + shift for shift in (0, 0.5, 1)])
