@@ -369,6 +369,8 @@ std::vector<Option> output_options(Draft& d) {
        "meshio) or .3mf "
        "(printers)",
        required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp .vtu .3mf)")},
+      {"--ascii", kMesh, flag(o.ascii, Switch::on),
+       "text in place of the binary form of .ply and .stl"},
       {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file, which all ranks write: .ply or .vtkhdf",
        required("name the mesh file to write (.ply .vtkhdf)")},
@@ -463,12 +465,12 @@ constexpr std::string_view kUsual[] = {"--mesher",      "--subdivide",    "--rep
 
 // Options of verbs that take structures which are read and not shown.
 constexpr std::string_view kUnseen[] = {
-    "--csv",          "--hetatm",        "--preset",     "--isovalue",    "--blobbiness",
-    "--crossings",    "--seed",          "--cgal-check", "--devices",     "--camera",
-    "--shading",      "--antialias",     "--rows",       "--time-limit",  "--page-triangles",
-    "--edge-lengths", "--relative-edge", "--padding",    "--progress",    "--project",
-    "--scan",         "--shell",         "--from",       "--sums",        "--method",
-    "--write",        "--b-factor",      "--rsa",        "--max-distance"};
+    "--csv",          "--hetatm",        "--preset",     "--isovalue",     "--blobbiness",
+    "--crossings",    "--seed",          "--cgal-check", "--devices",      "--camera",
+    "--shading",      "--antialias",     "--rows",       "--time-limit",   "--page-triangles",
+    "--edge-lengths", "--relative-edge", "--padding",    "--progress",     "--project",
+    "--scan",         "--shell",         "--from",       "--sums",         "--method",
+    "--write",        "--b-factor",      "--rsa",        "--max-distance", "--ascii"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

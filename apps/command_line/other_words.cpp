@@ -33,7 +33,7 @@ constexpr std::string_view kNoPoints = "the measures are exact, without points o
                            kAssumed = "radii of unknown atoms are told from elements, and counted",
                            kOpaque = "pictures are opaque",
                            kNoOutlines = "pictures have no outlines",
-                           kText = "PLY and STL are binary files; OBJ, OFF, MSH and VTP are text",
+                           kBinary = "PLY and STL are binary files unless --ascii is given",
                            kAlone = "a structure stands alone, without an option";
 
 constexpr OtherWord kOptions[] = {
@@ -131,8 +131,7 @@ constexpr OtherWord kOptions[] = {
     {"opacity", "{}", kOpaque},
     {"alpha", "{}", kOpaque},
     {"outline", "", kNoOutlines},
-    {"ascii", "", kText},
-    {"binary", "", kText},
+    {"binary", "", kBinary},
     {"unknown", "{}", kAssumed},
     {"cavities", "--voids -"}};
 

@@ -228,7 +228,10 @@ void settle_output(const Draft& d) {
     refuse_if(!is_vtkhdf(path) && find_mesh_format(path) != MeshFormat::ply,
               "-o {}: ranks write PLY or VTKHDF together; name a .ply or .vtkhdf file", path);
   } else if (!path.empty()) {
-    mesh_format(path);
+    const MeshFormat format = mesh_format(path);
+    refuse_if(
+        d.options.ascii == Switch::on && format != MeshFormat::ply && format != MeshFormat::stl,
+        "--ascii: is of .ply and .stl files; the others have one form, .glb and .3mf binary");
   }
   const OutputOptions& o = d.options.output;
   refuse_if(!o.atoms.empty() && find_atom_writer(o.atoms) == nullptr,

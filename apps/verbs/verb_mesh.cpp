@@ -98,8 +98,10 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
     const SignalMonitor signals;
     const std::vector<RgbColor> colors = element_colors(structure.molecule);
     write_whole(path, [&] {
-      warnings = has_patches ? write_mesh(made, path, colors, &signals)
-                             : write_mesh(made.mesh, path, colors, &signals);
+      const MeshEncoding encoding =
+          options.ascii == Switch::on ? MeshEncoding::text : MeshEncoding::binary;
+      warnings = has_patches ? write_mesh(made, path, colors, &signals, encoding)
+                             : write_mesh(made.mesh, path, colors, &signals, encoding);
     });
   };
   run_beside(

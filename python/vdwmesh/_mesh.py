@@ -154,12 +154,13 @@ class Mesh:
         """Whether every edge is on two faces."""
         return bool(self._summary["closed"])
 
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | os.PathLike[str], *, ascii: bool = False) -> None:
         """Write a mesh file: .ply, .obj, .off, .stl, .glb, .msh, .msh4, .vtp, .vtu or .3mf, by the extension.
 
-        Losses of the format, such as float32 coordinates, are warnings.
+        PLY and STL are binary, or text with ``ascii=True``. Losses of the format, such as float32
+        coordinates, are warnings.
         """
-        for loss in self._handle.save(os.fsencode(path)):
+        for loss in self._handle.save(os.fsencode(path), bool(ascii)):
             warnings.warn(loss, stacklevel=2)
 
     def to_trimesh(self) -> Any:

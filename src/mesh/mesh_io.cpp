@@ -208,16 +208,17 @@ MeshFormat mesh_format(const fs::path& path) {
 }
 
 std::vector<std::string> write_mesh(const IndexedMesh& mesh, const fs::path& path,
-                                    std::span<const RgbColor> sphere_colors,
-                                    const Monitor* monitor) {
-  return write({.mesh = mesh, .sphere_colors = sphere_colors}, path, monitor);
+                                    std::span<const RgbColor> sphere_colors, const Monitor* monitor,
+                                    MeshEncoding encoding) {
+  return write({.mesh = mesh, .sphere_colors = sphere_colors, .encoding = encoding}, path, monitor);
 }
 
 std::vector<std::string> write_mesh(const PatchedMesh& mesh, const fs::path& path,
-                                    std::span<const RgbColor> sphere_colors,
-                                    const Monitor* monitor) {
-  return write({.mesh = mesh.mesh, .sphere_colors = sphere_colors, .patches = &mesh}, path,
-               monitor);
+                                    std::span<const RgbColor> sphere_colors, const Monitor* monitor,
+                                    MeshEncoding encoding) {
+  return write(
+      {.mesh = mesh.mesh, .sphere_colors = sphere_colors, .patches = &mesh, .encoding = encoding},
+      path, monitor);
 }
 
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& path,
@@ -225,9 +226,9 @@ std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& pat
   return with_view(mesh, [&](const auto& view) { return write(view, path, monitor); });
 }
 
-EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format) {
+EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format, MeshEncoding encoding) {
   StringSink sink;
-  formats::Warnings warnings = write({.mesh = mesh}, format, sink);
+  formats::Warnings warnings = write({.mesh = mesh, .encoding = encoding}, format, sink);
   return {std::move(sink).take(), std::move(warnings)};
 }
 

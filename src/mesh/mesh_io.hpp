@@ -22,21 +22,25 @@ class Monitor;
 
 enum class MeshFormat { ply, obj, off, stl, glb, msh, msh4, vtp, vtu, three_mf };
 
+// How PLY and STL are written; the other formats have one form.
+enum class MeshEncoding : std::uint8_t { binary, text };
+
 // The format by the extension of `path`, whose case does not matter. Empty for other extensions.
 std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path);
 // The same, but throws InvalidInput that lists the known extensions.
 MeshFormat mesh_format(const std::filesystem::path& path);
 
 // Writes a mesh file.
-//   PLY: binary little-endian; double positions, float normals, uchar colours, int sphere ids.
-//   OBJ, OFF: text, with the fewest digits from which the same double is read back.
-//   STL: binary, float32.
+//   PLY: double positions, float normals, uchar colours, int sphere ids; little-endian.
+//   OBJ, OFF: text.
+//   STL: float32; as text doubles.
+//   Numbers in text have the fewest digits from which the same number is read back.
 //   GLB: float32 relative to the middle of the mesh, which the translation of the node restores;
 //        colours in linear light, which glTF wants, on a material that is no metal.
 //   MSH (.msh, .msh2: version 2.2; .msh4: 4.1), VTP, VTU: text, with the atom of each triangle.
 //   3MF: text in an archive, in millimetres: 1 Å is 1 mm.
 // Returns warnings for people: coordinates that move by more than 1e-4 Å when they become float32
-// (STL, GLB), and triangles of which two corners become equal (STL).
+// (binary STL, GLB), and triangles of which two corners become equal (binary STL).
 // A vertex has the colour of its atom, sphere_colors[i] for sphere i, and kPlainColor without an
 // atom or if there are no colours. A mesh without normals gets those of its triangles.
 // Throws FileFormatError if the file cannot be written (no part of it is left), InvalidInput if the
@@ -44,11 +48,13 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 // if the format cannot count or number the elements, and Cancelled if `monitor` asks to stop.
 std::vector<std::string> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
                                     std::span<const RgbColor> sphere_colors = {},
-                                    const Monitor* monitor = nullptr);
+                                    const Monitor* monitor = nullptr,
+                                    MeshEncoding encoding = MeshEncoding::binary);
 // PLY and MSH say which patch each triangle is part of, PLY alone the curvatures of the vertices.
 std::vector<std::string> write_mesh(const PatchedMesh& mesh, const std::filesystem::path& path,
                                     std::span<const RgbColor> sphere_colors = {},
-                                    const Monitor* monitor = nullptr);
+                                    const Monitor* monitor = nullptr,
+                                    MeshEncoding encoding = MeshEncoding::binary);
 // With the normals and colours that the vertices have. Throws InvalidInput if an element is
 // deleted.
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path,
@@ -73,7 +79,8 @@ struct EncodedMesh {
   std::string bytes;
   std::vector<std::string> warnings;
 };
-EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format);
+EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format,
+                        MeshEncoding encoding = MeshEncoding::binary);
 EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format);
 MeshFile decode_mesh(std::string_view bytes, MeshFormat format,
                      std::uint64_t memory_limit = kNoMemoryLimit);

@@ -21,7 +21,7 @@ DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
 
 
 # Options that help does not show, because few need them.
-UNSEEN = {"--csv", "--sums", "--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
+UNSEEN = {"--ascii", "--csv", "--sums", "--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
           "--camera", "--shading", "--antialias", "--rows", "--time-limit", "--page-triangles", "--edge-lengths",
           "--relative-edge", "--padding", "--progress", "--project", "--scan", "--shell", "--from", "--method",
           "--write", "--b-factor", "--rsa", "--max-distance"}  # fmt: skip

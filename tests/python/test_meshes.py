@@ -327,6 +327,10 @@ class SameAsProgramTest(ProgramTest):
             self.assert_close(block["volume"], mesh.volume, 1e-5)  # float32 coordinates
         with self.assertRaisesRegex(ValueError, "xyz"):
             mesh.save(self.folder / "m.xyz")
+        mesh.save(self.folder / "t.stl", ascii=True)
+        self.assertTrue((self.folder / "t.stl").read_text().startswith("solid "))
+        with self.assertRaisesRegex(vdwmesh.InvalidInput, "ascii"):
+            mesh.save(self.folder / "t.glb", ascii=True)
 
 
 def distance_to_sphere(x, y, z, radius):

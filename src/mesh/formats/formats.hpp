@@ -31,6 +31,7 @@ struct MeshView {
   std::span<const RgbColor> vertex_colors = {};  // by vertex; empty: the vertices have their atoms'
   std::span<const RgbColor> sphere_colors = {};  // by sphere; empty: all are kPlainColor
   const PatchedMesh* patches = nullptr;          // null: the mesh knows no patches
+  MeshEncoding encoding = MeshEncoding::binary;
 
   RgbColor color(std::size_t v) const {
     if (!vertex_colors.empty()) return vertex_colors[v];

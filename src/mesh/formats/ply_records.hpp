@@ -9,6 +9,7 @@
 #include <string>
 
 #include "mesh/formats/record_writer.hpp"
+#include "mesh/mesh_io.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::formats {
@@ -35,7 +36,8 @@ inline constexpr std::uint64_t kPlyCurvatureBytes = 8, kPlyPatchBytes = 13;
 
 // The header of a mesh of this size, up to the byte before the first vertex.
 std::string ply_header(const MeshSize& size, TriangleLabels labels,
-                       PatchLabels patches = PatchLabels::none);
+                       PatchLabels patches = PatchLabels::none,
+                       MeshEncoding encoding = MeshEncoding::binary);
 
 // The number of a sphere in the file. It is an int, so that -1 can stand for kNoSphere. Throws
 // LimitExceeded for a number beyond PLY's int.
@@ -43,9 +45,9 @@ std::int32_t ply_sphere(SphereId id);
 
 // Writes a vertex. The arguments are arrays or vectors of three elements each: the position in Å,
 // the normal, the colour as bytes, and the spheres that the vertex lies on.
-template <class Position, class Normal, class Color>
-void write_ply_vertex(RecordBytes& out, const Position& position, const Normal& normal,
-                      const Color& color, const VertexSpheres& spheres) {
+template <class Out, class Position, class Normal, class Color>
+void write_ply_vertex(Out& out, const Position& position, const Normal& normal, const Color& color,
+                      const VertexSpheres& spheres) {
   for (int k = 0; k < 3; ++k) out.raw(static_cast<double>(position[k]));
   for (int k = 0; k < 3; ++k) out.raw(static_cast<float>(normal[k]));
   for (std::size_t k = 0; k < 3; ++k) out.raw(static_cast<std::uint8_t>(color[k]));
@@ -53,9 +55,10 @@ void write_ply_vertex(RecordBytes& out, const Position& position, const Normal& 
 }
 
 // Writes a face without its sphere.
-inline void write_ply_face(RecordBytes& out, const Triangle& corners) {
+template <class Out>
+void write_ply_face(Out& out, const Triangle& corners) {
   out.raw(std::uint8_t{3});
-  out.raw(corners);
+  for (const std::uint32_t corner : corners) out.raw(corner);
 }
 
 }  // namespace vdwmesh::formats

@@ -1,7 +1,7 @@
 // Writer of PLY, the only format here that keeps everything a mesh has: double positions,
 // normals, colours, the sphere ids of vertices and faces, and patches with their curvatures. The
-// file is binary little-endian. The order of the properties in kHeader is the order in which
-// write_ply_vertex() and write_ply_face() append the values.
+// file is binary little-endian, or text with a line for each record. The order of the properties in
+// kHeader is the order in which write_ply_vertex() and write_ply_face() append the values.
 #include <fmt/format.h>
 
 #include <limits>
@@ -15,12 +15,12 @@
 namespace vdwmesh::formats {
 namespace {
 
-// A format string for seven values: comments on faces and on patches, number of vertices,
-// curvatures of vertices, number of faces, type of their indices, properties of faces. Texts are
-// empty for what the mesh does not have: spheres of triangles, or patches.
+// A format string for eight values: form of the file, comments on faces and on patches, number of
+// vertices, curvatures of vertices, number of faces, type of their indices, properties of faces.
+// Texts are empty for what the mesh does not have: spheres of triangles, or patches.
 constexpr const char* kHeader =
     "ply\n"
-    "format binary_little_endian 1.0\n"
+    "format {} 1.0\n"
     "comment made by vdwmesh; lengths in angstrom\n"
     "comment atom, sphere2, sphere3: indices of the spheres a vertex lies on, -1 for none\n"
     "{}{}"
@@ -62,11 +62,13 @@ constexpr const char* kPatchProperties =
 
 }  // namespace
 
-std::string ply_header(const MeshSize& size, TriangleLabels labels, PatchLabels patches) {
+std::string ply_header(const MeshSize& size, TriangleLabels labels, PatchLabels patches,
+                       MeshEncoding encoding) {
   const bool labelled = labels == TriangleLabels::spheres;
   const bool patched = patches == PatchLabels::patches;
-  return fmt::format(kHeader, labelled ? kFaceComment : "", patched ? kPatchComment : "",
-                     size.vertices, patched ? kCurvatureProperties : "", size.triangles,
+  return fmt::format(kHeader, encoding == MeshEncoding::text ? "ascii" : "binary_little_endian",
+                     labelled ? kFaceComment : "", patched ? kPatchComment : "", size.vertices,
+                     patched ? kCurvatureProperties : "", size.triangles,
                      size.vertices <= kMostIntPlyVertices ? "int" : "uint",
                      labelled ? kFaceProperty : "", patched ? kPatchProperties : "");
 }
@@ -78,34 +80,57 @@ std::int32_t ply_sphere(SphereId id) {
   return static_cast<std::int32_t>(id);
 }
 
+namespace {
+
+// write_records() in the form of the file: a line for each record, or its `bytes`. record(out, i)
+// calls out.raw() with the values.
+template <class Record>
+void write_values(ByteSink& sink, MeshEncoding encoding, std::size_t count, std::uint64_t bytes,
+                  const Record& record) {
+  constexpr std::size_t kMostValues = 16;  // of a vertex or a face
+  if (encoding == MeshEncoding::binary) return write_records(sink, count, bytes, record);
+  write_records(sink, count, kMostValues * (RecordBytes::kMostPerNumber + 1),
+                [&](RecordBytes& out, std::size_t i) {
+                  RecordWords line(out);
+                  record(line, i);
+                  out.character('\n');
+                });
+}
+
+}  // namespace
+
 void write_ply(const MeshView& view, ByteSink& sink) {
   const IndexedMesh& mesh = view.mesh;
   const PatchedMesh* const patched = view.patches;
   const TriangleLabels labels = mesh.triangle_labels();
-  const std::string header = ply_header({mesh.vertex_count(), mesh.triangle_count()}, labels,
-                                        patched ? PatchLabels::patches : PatchLabels::none);
+  const std::string header =
+      ply_header({mesh.vertex_count(), mesh.triangle_count()}, labels,
+                 patched ? PatchLabels::patches : PatchLabels::none, view.encoding);
   const std::uint64_t vertex_bytes = kPlyVertexBytes + (patched ? kPlyCurvatureBytes : 0);
   const std::uint64_t face_bytes = ply_face_bytes(labels) + (patched ? kPlyPatchBytes : 0);
-  sink.expect(header.size() + vertex_bytes * mesh.vertex_count() +
-              face_bytes * mesh.triangle_count());
+  const std::uint64_t times = view.encoding == MeshEncoding::text ? 2 : 1;  // about
+  sink.expect(header.size() +
+              times * (vertex_bytes * mesh.vertex_count() + face_bytes * mesh.triangle_count()));
   sink.write(header.data(), header.size());
   const bool labelled = !mesh.vertex_spheres.empty();
   const VertexCurvatures curvatures = patched ? vertex_curvatures(*patched) : VertexCurvatures{};
-  write_records(sink, mesh.vertex_count(), vertex_bytes, [&](RecordBytes& out, std::size_t v) {
+  const auto vertex = [&](auto& out, std::size_t v) {
     const VertexSpheres spheres = labelled ? mesh.vertex_spheres[v] : on_sphere(kNoSphere);
     write_ply_vertex(out, mesh.positions[v], view.normals[v], view.color(v), spheres);
     if (!patched) return;
     out.raw(curvatures.mean[v]);
     out.raw(curvatures.gaussian[v]);
-  });
-  write_records(sink, mesh.triangle_count(), face_bytes, [&](RecordBytes& out, std::size_t t) {
+  };
+  const auto face = [&](auto& out, std::size_t t) {
     write_ply_face(out, mesh.triangles[t]);
     if (labels == TriangleLabels::spheres) out.raw(ply_sphere(mesh.triangle_spheres[t]));
     if (!patched) return;
     const SurfacePatch& patch = patched->patches[patched->triangle_patch[t]];
     out.raw(static_cast<std::uint8_t>(patch.kind));
     for (const SphereId id : patch.atoms) out.raw(ply_sphere(id));
-  });
+  };
+  write_values(sink, view.encoding, mesh.vertex_count(), vertex_bytes, vertex);
+  write_values(sink, view.encoding, mesh.triangle_count(), face_bytes, face);
 }
 
 }  // namespace vdwmesh::formats

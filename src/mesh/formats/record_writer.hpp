@@ -33,6 +33,10 @@ class RecordBytes {
     end_ += sizeof value;
   }
   void character(char c) { *end_++ = c; }
+  void text(std::string_view characters) {
+    std::memcpy(end_, characters.data(), characters.size());
+    end_ += characters.size();
+  }
   // Appends the fewest digits from which the same number is read back.
   template <class T>
   void number(T value) {
@@ -45,6 +49,22 @@ class RecordBytes {
 
  protected:
   char* end_;  // end of what was appended
+};
+
+// Appends values as words of a line.
+class RecordWords {
+ public:
+  explicit RecordWords(RecordBytes& out) : out_(&out) {}
+  template <class T>
+  void raw(const T& value) {
+    if (!first_) out_->character(' ');
+    first_ = false;
+    out_->number(value);
+  }
+
+ private:
+  RecordBytes* out_;
+  bool first_ = true;
 };
 
 // Calls format(out, i) for every i in [0, count), which appends record i, at most `most_bytes`

@@ -1,4 +1,4 @@
-// Writer and reader of STL. The writer makes the binary form; the reader takes both forms.
+// Writer and reader of STL, in both forms.
 //
 // A binary file is a header of 80 bytes of any text, a uint32 number of triangles, and 50 bytes per
 // triangle: normal and three corners as 12 float32, then a uint16 that is 0. A text file is a list
@@ -20,6 +20,7 @@
 #include "mesh/formats/chunk_writer.hpp"
 #include "mesh/formats/float_loss.hpp"
 #include "mesh/formats/formats.hpp"
+#include "mesh/formats/record_writer.hpp"
 #include "mesh/formats/text_scanner.hpp"
 
 namespace vdwmesh::formats {
@@ -146,8 +147,39 @@ bool begins_as_text(std::string_view bytes) {
 
 }  // namespace
 
+namespace {
+
+void write_text_stl(const IndexedMesh& mesh, ByteSink& sink) {
+  constexpr std::string_view kBegin = "solid made by vdwmesh; lengths in angstrom\n",
+                             kEnd = "endsolid\n";
+  constexpr std::size_t kMostBytes = 12 * (RecordBytes::kMostPerNumber + 1) + 128;
+  // An estimate: nine doubles of about 18 characters, three floats and the words.
+  sink.expect(300 * mesh.triangle_count());
+  sink.write(kBegin.data(), kBegin.size());
+  write_records(sink, mesh.triangle_count(), kMostBytes, [&](RecordBytes& out, std::size_t t) {
+    const auto write_point = [&out](std::string_view before, const auto& p) {
+      out.text(before);
+      for (int k = 0; k < 3; ++k) {
+        out.character(' ');
+        out.number(p[k]);
+      }
+      out.character('\n');
+    };
+    const auto [i, j, k] = mesh.triangles[t];
+    const Vec3d &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
+    write_point("facet normal", unit_normal(a, b, c));
+    out.text("outer loop\n");
+    for (const Vec3d* p : {&a, &b, &c}) write_point("vertex", *p);
+    out.text("endloop\nendfacet\n");
+  });
+  sink.write(kEnd.data(), kEnd.size());
+}
+
+}  // namespace
+
 void write_stl(const MeshView& view, ByteSink& sink, Warnings& warnings) {
   const IndexedMesh& mesh = view.mesh;
+  if (view.encoding == MeshEncoding::text) return write_text_stl(mesh, sink);
   sink.expect(kFirstTriangle + kTriangleSize * mesh.triangle_count());
   ChunkWriter out(sink);
   std::string header = "binary STL made by vdwmesh; lengths in angstrom";

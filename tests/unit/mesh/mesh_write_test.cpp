@@ -37,11 +37,40 @@ using testing::expect_same_bits;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::labelled_mesh;
+using ::testing::StartsWith;
 using testing::TemporaryDirectory;
 
 std::string bytes_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+// Text has the same numbers: doubles, floats that are doubles with the same value, and integers.
+TEST(MeshIo, TextOfPlyIsReadBackTheSame) {
+  IndexedMesh mesh = labelled_mesh();
+  mesh.positions[0] = {1.0 / 3, -1e-308, 123456.789012345};
+  const MeshFile binary = decode_mesh(encode_mesh(mesh, MeshFormat::ply).bytes, MeshFormat::ply);
+  const std::string text = encode_mesh(mesh, MeshFormat::ply, MeshEncoding::text).bytes;
+  EXPECT_THAT(text, StartsWith("ply\nformat ascii 1.0\n"));
+  const MeshFile read = decode_mesh(text, MeshFormat::ply);
+  EXPECT_EQ(read.mesh.positions, binary.mesh.positions);
+  EXPECT_EQ(read.mesh.triangles, binary.mesh.triangles);
+  EXPECT_EQ(read.mesh.normals, binary.mesh.normals);
+  EXPECT_EQ(read.mesh.vertex_spheres.atoms, binary.mesh.vertex_spheres.atoms);
+  EXPECT_EQ(read.mesh.triangle_spheres, binary.mesh.triangle_spheres);
+}
+
+// Which keeps vertices apart that float32 lets fall together.
+TEST(MeshIo, TextOfStlHasDoubles) {
+  IndexedMesh mesh = testing::cube();
+  for (Vec3d& p : mesh.positions) p = 1e-9 * p + Vec3d{1, 1, 1};
+  const EncodedMesh text = encode_mesh(mesh, MeshFormat::stl, MeshEncoding::text);
+  EXPECT_TRUE(text.warnings.empty());
+  EXPECT_THAT(text.bytes, StartsWith("solid "));
+  const MeshFile read = decode_mesh(text.bytes, MeshFormat::stl);
+  EXPECT_THAT(read.mesh.positions, ::testing::UnorderedElementsAreArray(mesh.positions));
+  EXPECT_EQ(read.mesh.triangle_count(), mesh.triangle_count());
+  EXPECT_FALSE(encode_mesh(mesh, MeshFormat::stl).warnings.empty());
 }
 
 // The patches stand behind what other programs read, and the curvatures behind each vertex.
