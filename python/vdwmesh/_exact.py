@@ -242,13 +242,19 @@ def refuse_beside_gradient(options: Options, atoms: Any) -> None:
         ("device", options.device == "cuda"),
     ):
         if other:
-            raise InvalidInput(f"gradient: is of areas and volumes of all atoms on the CPU; leave out {name}")
+            raise InvalidInput(
+                f"gradient: is of areas and volumes of all atoms, on the CPU or where coordinates are; leave out {name}"
+            )
+
+
+def _two(weights: Any) -> tuple[Any, Any]:
+    """The argument `weights` as those of areas and of volumes; None are weights of 1."""
+    return weights if isinstance(weights, tuple) and len(weights) == 2 else (weights, weights)
 
 
 def weight_pair(weights: Any, count: int) -> list[NDArray[Any] | None]:
-    """The argument `weights` as those of areas and of volumes; None are weights of 1."""
-    pair = weights if isinstance(weights, tuple) and len(weights) == 2 else (weights, weights)
-    given = [None if w is None else floats("weights", w, "(N,)") for w in pair]
+    """Both weights, checked."""
+    given = [None if w is None else floats("weights", w, "(N,)") for w in _two(weights)]
     for w in given:
         if w is not None and len(w) != count:
             raise InvalidInput(f"weights: has {len(w)} numbers for {count} atoms of coords")
@@ -269,10 +275,9 @@ def with_gradient(
 def _with_gradient_there(coords: CudaInput, radii: Any, options: Options, atoms: Any, weights: Any) -> ExactUnion:
     """The same of a set on a device, where the gradient and its weights are too."""
     refuse_beside_gradient(options, atoms)
-    pair = weights if isinstance(weights, tuple) and len(weights) == 2 else (weights, weights)
-    for w in pair:
-        if w is not None and not is_on_device(w):
-            raise InvalidInput("weights: are on the host, but coords on a CUDA device; copy them there")
+    pair = _two(weights)
+    if any(w is not None and not is_on_device(w) for w in pair):
+        raise InvalidInput("weights: are on the host, but coords on a CUDA device; copy them there")
     there = [None if w is None else on_device("weights", w, "(N,)") for w in pair]
     found = measure_gradient_there(coords, radii, there, replace(options, per_atom=True))
     _refuse(found.invalid, 0, False)
