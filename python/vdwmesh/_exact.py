@@ -247,7 +247,7 @@ def refuse_beside_gradient(options: Options, atoms: Any) -> None:
             )
 
 
-def _two(weights: Any) -> tuple[Any, Any]:
+def _two(weights: Any) -> tuple[Any, ...]:
     """The argument `weights` as those of areas and of volumes; None are weights of 1."""
     return weights if isinstance(weights, tuple) and len(weights) == 2 else (weights, weights)
 
