@@ -227,15 +227,20 @@ class ForeignReaders(ProgramTest):
             self.assertEqual(bool(number_of("meshobject_ismanifoldandoriented", found)), mesh["manifold"])
 
     def test_tetgen(self):
-        """It fills the surface and keeps its triangles. Binary PLY and STL it does not read."""
+        """It fills the surface and keeps its triangles. PLY and STL it reads as text alone."""
+        for name, options in (("t.off", ()), ("p.ply", ("--ascii",)), ("s.stl", ("--ascii",))):
+            with self.subTest(name):
+                self.fill_by_tetgen(self.folder / name, *options)
+
+    def fill_by_tetgen(self, path, *options):
         tetgen = need_package("tetgen", program="tetgen")
-        path, json_path = self.folder / "t.off", self.folder / "t.json"
-        self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *SURFACES["crease-exact"])
+        json_path = self.folder / "t.json"
+        self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *SURFACES["crease-exact"], *options)
         mesh = parse_json(json_path.read_text())["mesh"]
         told = subprocess.run([tetgen, "-pYQ", path], capture_output=True, text=True, timeout=300)
         self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
-        elements = (self.folder / "t.1.ele").read_text().split("\n")
-        nodes = [line.split() for line in (self.folder / "t.1.node").read_text().split("\n")[1:]]
+        elements = path.with_suffix(".1.ele").read_text().split("\n")
+        nodes = [line.split() for line in path.with_suffix(".1.node").read_text().split("\n")[1:]]
         places = {row[0]: tuple(map(float, row[1:4])) for row in nodes if len(row) >= 4 and row[0] != "#"}
         volume = 0.0
         for line in elements[1:]:
