@@ -285,8 +285,13 @@ py::tuple measure_frames_there(const py::tuple& coords, const py::object& radii,
 }
 
 // Weights of the atoms that lie where the coordinates do; null stands for 1.
-const double* weights_there(const std::optional<CudaInput>& weights, const DeviceFrames& balls) {
+const double* weights_there(const std::optional<CudaInput>& weights, const DeviceFrames& balls,
+                            int device) {
   if (!weights) return nullptr;
+  if (weights->device != device) {
+    throw InvalidInput(fmt::format("weights: are on CUDA device {}, coords on device {}",
+                                   weights->device, device));
+  }
   const bool dense = weights->strides.at(0) == py::ssize_t{sizeof(double)} || balls.atoms() == 1;
   if (weights->type != CoordinateType::float64 || !dense) {
     throw InvalidInput("weights: on a device they are float64 without gaps");
@@ -317,7 +322,9 @@ py::tuple gradient_there(const py::tuple& coords, const py::object& radii,
                              : std::optional<CudaInput>(std::in_place, weights, "weights");
   };
   const auto areas = weights_of(area_weights), volumes = weights_of(volume_weights);
-  const BatchWeights weights{weights_there(areas, balls), weights_there(volumes, balls)};
+  const int device = CudaInput(coords, "coords").device;
+  const BatchWeights weights{weights_there(areas, balls, device),
+                             weights_there(volumes, balls, device)};
   Found found = call(request.threads, [&](Monitor& monitor) {
     Found one;
     one.there = std::make_shared<const CudaMeasures>(
