@@ -449,7 +449,7 @@ std::vector<Option> output_options(Draft& d) {
       {"--rsa", kExact, one(o.output.residues, text("FILE"), Use::writes),
        "areas of residues and their shares of extended ones, as NACCESS prints them; - is standard "
        "output"},
-      {"--gradient", kExact, one(o.output.gradient, text("FILE"), Use::writes),
+      {"--gradient", kExact | kRanksExact, one(o.output.gradient, text("FILE"), Use::writes),
        "CSV of the derivatives of area and volume by each atom's centre and radius; - is standard "
        "output"}};
 }

@@ -1,5 +1,6 @@
 // The verb exact of vdwmesh-mpi: the exact measures of the union, of which every rank measures a
-// share. The report, its JSON and the table of atoms are those of the plain program.
+// share. The report, its JSON and the tables are those of the plain program.
+#include "distributed/together/gradients_together.hpp"
 #include "distributed/together/union_together.hpp"
 #include "ranks/rank_verbs.hpp"
 #include "ranks/shared_structure.hpp"
@@ -26,7 +27,8 @@ bool wants_atoms(const Ranks& ranks, const Options& options, const Molecule& mol
 }
 
 // On the first rank.
-void deliver(const Options& options, const Molecule& molecule, VerbSession& session) {
+void deliver(const Options& options, const Molecule& molecule, const GradientsTogether& slopes,
+             VerbSession& session) {
   const OutputOptions& output = options.output;
   measure_polarity(molecule, session);
   if (!output.per_atom.empty()) {
@@ -36,6 +38,8 @@ void deliver(const Options& options, const Molecule& molecule, VerbSession& sess
                  per_atom_csv({molecule, probe, *session.report.exact, {}, output.group}));
     session.end_stage(&Timing::write);
   }
+  if (!output.gradient.empty())
+    write_gradient(output, slopes.gradients, slopes.kink_spheres, session);
   session.deliver_report(output);
 }
 
@@ -65,9 +69,14 @@ void run_ranks_exact(const Ranks& ranks, const Options& options) {
   session.report.exact->backend = together.backend;
   if (!together.fallback.empty()) session.report.notes.push_back(std::move(together.fallback));
   static_cast<ExactUnion&>(*session.report.exact) = std::move(together);
+  GradientsTogether slopes;
+  if (!options.output.gradient.empty()) {
+    slopes =
+        gradients_together(ranks, shared.spheres, session.machine.memory_limit, session.monitor);
+  }
   session.end_stage(&Timing::exact);
   ranks.together([&] {
-    if (ranks.is_first()) deliver(options, shared.molecule, session);
+    if (ranks.is_first()) deliver(options, shared.molecule, slopes, session);
   });
 }
 

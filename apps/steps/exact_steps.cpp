@@ -203,15 +203,20 @@ void write_depths(const OutputOptions& output, const Molecule& molecule, double 
 void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session) {
   if (output.gradient.empty()) return;
   const UnionGradients found = union_gradients(spheres, {.monitor = session.monitor});
-  if (found.kink_spheres > 0) {
+  write_gradient(output, found.gradients, found.kink_spheres, session);
+}
+
+void write_gradient(const OutputOptions& output, const std::vector<BallGradient>& gradients,
+                    std::uint64_t kink_spheres, VerbSession& session) {
+  if (kink_spheres > 0) {
     session.report.note(
         "{} atoms touch another one, or equal it: area and volume may have no derivative there, "
         "and the table has that of the atoms without contact",
-        found.kink_spheres);
+        kink_spheres);
   }
   session.end_stage(&Timing::exact);
   session.end_progress();
-  write_output(output.gradient, gradient_csv(found.gradients));
+  write_output(output.gradient, gradient_csv(gradients));
   session.end_stage(&Timing::write);
 }
 

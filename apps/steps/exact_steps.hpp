@@ -2,11 +2,16 @@
 // part of the report.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "analysis/distance_measurer.hpp"
 #include "steps/steps.hpp"
+
+namespace vdwmesh {
+struct BallGradient;
+}
 
 namespace vdwmesh::apps {
 
@@ -42,6 +47,9 @@ void write_atoms(const OutputOptions& output, const Molecule& molecule, double p
 // Writes the derivatives of the union's area and volume if --gradient names a file, and notes what
 // may have none.
 void write_gradient(const OutputOptions& output, const SphereSet& spheres, VerbSession& session);
+// The same of derivatives that are there, of which so many spheres may have none.
+void write_gradient(const OutputOptions& output, const std::vector<BallGradient>& gradients,
+                    std::uint64_t kink_spheres, VerbSession& session);
 
 // The same of the excluded surface in the report.
 void write_excluded_gradient(const OutputOptions& output, VerbSession& session);

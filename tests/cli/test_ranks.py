@@ -375,6 +375,19 @@ class ExactUnions(RanksTest):
                                      (UBIQUITIN, (*COUNTS, "--probe", "1.4"), (2, 3, 5)),
                                      (UBIQUITIN, ("--topology", "off"), (3,)))  # fmt: skip
 
+    def test_gradients(self):
+        """Also of balls in doubt, which the first rank measures, equal ones and such as touch."""
+        doubtful = "".join(f"{x} {y} {z} 1\n" for x in range(4) for y in range(4) for z in range(4)) + "0 0 0 1\n" * 3
+        for name, path, options in (("ubiquitin", UBIQUITIN, ("--probe", "1.4")), ("one", self.file("1.xyzr", ONE_ATOM), ()),
+                                    ("lattice", self.file("l.xyzr", doubtful), ())):  # fmt: skip
+            tables = {}
+            for ranks in (0, 1, 2, 3, 5):
+                start = functools.partial(self.run_ranks_ok, ranks) if ranks else self.run_ok
+                table = self.folder / f"{name}{ranks}.csv"
+                tables[ranks] = start("exact", path, "--gradient", table, *options).stderr, table.read_bytes()
+            for ranks, made in tables.items():
+                self.assertEqual(made, tables[0], (name, ranks))
+
     def test_chosen_atoms_residues_and_polarity(self):
         self.assert_same_results(UBIQUITIN, "--radii", "protor", "--probe", "1.4", "--group", "residue", ranks=(3,))
         for topology in ("counts", "off"):
