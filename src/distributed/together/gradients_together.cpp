@@ -30,7 +30,7 @@ struct NumberedGradient {
 };
 
 // What one rank finds out.
-struct Part {
+struct RankGradients {
   std::vector<NumberedGradient> found;
   std::vector<SphereId> suspects;           // ids in the whole set
   std::vector<NumberedBall> near_suspects;  // likewise
@@ -59,8 +59,8 @@ void store_in(std::span<BallGradient> gradients, FaceVisitor& visitor) {
   };
 }
 
-Part differentiate_share(const SphereShare& share, Monitor* monitor) {
-  Part part;
+RankGradients differentiate_share(const SphereShare& share, Monitor* monitor) {
+  RankGradients part;
   if (share.own.empty()) return part;
   const auto& ids = share.near.ids;
   const SphereSet near = SphereSet::view(share.near.spheres);
@@ -87,7 +87,7 @@ void collect(const Ranks& ranks, std::vector<T>& array) {
   array = ranks.collect(std::span<const T>(array));
 }
 
-GradientsTogether result_of(Part all, std::size_t spheres) {
+GradientsTogether result_of(RankGradients all, std::size_t spheres) {
   GradientsTogether result;
   result.gradients.resize(spheres);
   for (const auto& [id, gradient] : all.found) result.gradients[id] = gradient;
@@ -110,7 +110,7 @@ GradientsTogether gradients_together(const Ranks& ranks, const SphereSet& sphere
     if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
   });
   const SphereShare share = share_of_spheres(ranks, spheres);
-  Part part;
+  RankGradients part;
   ranks.together([&] {
     check_memory(ranks, spheres, share, memory_limit);
     part = differentiate_share(share, monitor);
