@@ -22,7 +22,8 @@ namespace vdwmesh {
 namespace {
 
 // Half as much again as was measured of measures; and what the first rank gathers and has.
-constexpr std::uint64_t kBytesPerNearSphere = 400, kBytesPerSphere = 40, kBytesOfResult = 140;
+constexpr std::uint64_t kGradientBytesPerNear = 400, kGradientBytesPerSphere = 40,
+                        kGradientBytesOfResult = 140;
 
 struct NumberedGradient {
   SphereId id;  // in the whole set
@@ -37,12 +38,12 @@ struct RankGradients {
   std::uint64_t kinks = 0;
 };
 
-void check_memory(const Ranks& ranks, const SphereSet& spheres, const SphereShare& share,
-                  std::uint64_t limit) {
+void check_memory_of_gradients(const Ranks& ranks, const SphereSet& spheres,
+                               const SphereShare& share, std::uint64_t limit) {
   const auto on_host = static_cast<std::uint64_t>(ranks.count_on_host());
-  const std::uint64_t bytes = kBytesPerSphere * spheres.size() / on_host +
-                              kBytesPerNearSphere * share.near.spheres.size() +
-                              (ranks.is_first() ? kBytesOfResult * spheres.size() : 0);
+  const std::uint64_t bytes = kGradientBytesPerSphere * spheres.size() / on_host +
+                              kGradientBytesPerNear * share.near.spheres.size() +
+                              (ranks.is_first() ? kGradientBytesOfResult * spheres.size() : 0);
   if (bytes <= limit) return;
   throw LimitExceeded(
       fmt::format("derivatives by {} spheres need {} MiB of memory, {} MiB are allowed to a rank: "
@@ -83,7 +84,7 @@ RankGradients differentiate_share(const SphereShare& share, Monitor* monitor) {
 }
 
 template <class T>
-void collect(const Ranks& ranks, std::vector<T>& array) {
+void gather_on_first(const Ranks& ranks, std::vector<T>& array) {
   array = ranks.collect(std::span<const T>(array));
 }
 
@@ -112,12 +113,12 @@ GradientsTogether gradients_together(const Ranks& ranks, const SphereSet& sphere
   const SphereShare share = share_of_spheres(ranks, spheres);
   RankGradients part;
   ranks.together([&] {
-    check_memory(ranks, spheres, share, memory_limit);
+    check_memory_of_gradients(ranks, spheres, share, memory_limit);
     part = differentiate_share(share, monitor);
   });
-  collect(ranks, part.found);
-  collect(ranks, part.suspects);
-  collect(ranks, part.near_suspects);
+  gather_on_first(ranks, part.found);
+  gather_on_first(ranks, part.suspects);
+  gather_on_first(ranks, part.near_suspects);
   part.kinks = ranks.sum(part.kinks);
   GradientsTogether result;
   ranks.together([&] {
