@@ -6,18 +6,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "request/refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
 
-constexpr VerbSet kRanks = kRanksMesh | kRanksExact;
-constexpr VerbSet kOneInput =
-    kMesh | kReport | kExact | kInterface | kCompare | kRender | kPockets | kView | kRanks;
 constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
-constexpr VerbSet kStructures = kInputs | kBatch;
 constexpr VerbSet kOneSurface = kMesh | kReport | kRender;
 constexpr VerbSet kSurfaces = kOneSurface | kBatch;  // with --verb report
 constexpr VerbSet kGrids = kSurfaces | kRanksMesh;   // marching cubes
@@ -366,8 +360,7 @@ std::vector<Option> output_options(Draft& d) {
   return {
       {"-o,--output", kMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file: .ply .obj .off .stl .glb, .msh (Gmsh; .msh4: version 4.1), .vtp .vtu (ParaView, "
-       "meshio) or .3mf "
-       "(printers)",
+       "meshio) or .3mf (printers)",
        required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp .vtu .3mf)")},
       {"--ascii", kMesh, flag(o.ascii, Switch::on),
        "text in place of the binary form of .ply and .stl"},
@@ -454,34 +447,6 @@ std::vector<Option> output_options(Draft& d) {
        "output"}};
 }
 
-// What --help lists of verbs that take structures; --help-all lists the others too.
-constexpr std::string_view kUsual[] = {"--mesher",      "--subdivide",    "--repeat",  "--csv",
-                                       "MESH",          "INPUT",          "--sample",  "--radii",
-                                       "--probe",       "--assembly",     "--select",  "--surface",
-                                       "--edge-length", "--spacing",      "--measure", "--topology",
-                                       "--picture",     "--color",        "--json",    "-o",
-                                       "--per-atom",    "--voids",        "--verb",    "--backend",
-                                       "--threads",     "--memory-limit", "--verbose"};
-
-// Options of verbs that take structures which are read and not shown.
-constexpr std::string_view kUnseen[] = {
-    "--csv",          "--hetatm",        "--preset",     "--isovalue",     "--blobbiness",
-    "--crossings",    "--seed",          "--cgal-check", "--devices",      "--camera",
-    "--shading",      "--antialias",     "--rows",       "--time-limit",   "--page-triangles",
-    "--edge-lengths", "--relative-edge", "--padding",    "--progress",     "--project",
-    "--scan",         "--shell",         "--from",       "--sums",         "--method",
-    "--write",        "--b-factor",      "--rsa",        "--max-distance", "--ascii"};
-
-bool is_unseen(const Option& option) {
-  return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;
-}
-
-bool is_within(const Option& option, Extent extent) {
-  if (extent == Extent::read) return true;
-  const bool is_usual = std::ranges::count(kUsual, option.short_name()) > 0;
-  return !is_unseen(option) && (extent == Extent::shown || is_usual);
-}
-
 }  // namespace
 
 std::vector<OptionGroup> all_options(Draft& d) {
@@ -492,19 +457,6 @@ std::vector<OptionGroup> all_options(Draft& d) {
           {kPictureGroup, picture_options(d)},
           {"Output", output_options(d)},
           {"Machine", machine_options(d)}};
-}
-
-// Verbs without a structure have few options, which are all usual.
-std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft, Extent extent) {
-  std::vector<OptionGroup> groups = all_options(draft);
-  if (extent == Extent::usual && !(verb & kStructures)) extent = Extent::shown;
-  for (OptionGroup& group : groups) {
-    std::erase_if(group.options, [&](const Option& option) {
-      return !(option.verbs & verb) || !is_within(option, extent);
-    });
-  }
-  std::erase_if(groups, [](const OptionGroup& group) { return group.options.empty(); });
-  return groups;
 }
 
 }  // namespace vdwmesh::apps

@@ -77,6 +77,11 @@ std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft, Extent extent = 
 
 // The verbs that take more than one INPUT.
 inline constexpr VerbSet kSeveralInputs = kStudy;
+// The verbs that take one, those of ranks among them; and all that read structures.
+inline constexpr VerbSet kRanks = kRanksMesh | kRanksExact;
+inline constexpr VerbSet kOneInput =
+    kMesh | kReport | kExact | kInterface | kCompare | kRender | kPockets | kView | kRanks;
+inline constexpr VerbSet kStructures = kOneInput | kSeveralInputs | kBatch;
 // Groups whose options mean nothing in places.
 inline constexpr const char *kInputGroup = "Input", *kSurfaceGroup = "Surface",
                             *kPictureGroup = "Picture";

@@ -158,12 +158,6 @@ void require_one_each(std::size_t radii, std::size_t atoms) {
       fmt::format("radii: has {} radii for {} atoms; each atom needs one", radii, atoms));
 }
 
-std::vector<double> numbers_of(const Numbers& array) {
-  std::vector<double> numbers(array.size(0));
-  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = array(i);
-  return numbers;
-}
-
 DeviceFrames frames_with_device_radii(const CudaInput& coords, const CudaInput& radii, double unit,
                                       double probe) {
   require_one_each(radii.shape.at(0), coords.shape.at(1));
@@ -195,7 +189,7 @@ DeviceFrames frames_of(const py::tuple& coords, const py::object& radii, double 
   if (py::isinstance<py::tuple>(radii)) {  // radii on the host are no tuple, but an array
     return frames_with_device_radii(centers, CudaInput(radii, "radii"), unit, probe);
   }
-  const std::vector<double> sizes = numbers_of(Numbers(radii, "radii", 1));
+  const std::vector<double> sizes = numbers_of(radii, "radii");
   require_one_each(sizes.size(), centers.shape.at(1));
   const py::gil_scoped_release free;
   return DeviceFrames(centers.device, coordinates_of(centers, unit), sizes, probe);

@@ -388,6 +388,15 @@ class ExactUnions(RanksTest):
             for ranks, made in tables.items():
                 self.assertEqual(made, tables[0], (name, ranks))
 
+    def test_memory_of_gradients(self):
+        """Measures fit, derivatives do not: refused with what would do, and no table is written."""
+        row = self.file("row.xyzr", "".join(f"{x} 0 0 1\n" for x in range(2000)))
+        table = self.folder / "g.csv"
+        exact = ("exact", row, "--gradient", table, "--memory-limit")
+        self.assert_all_end(LIMIT_HIT, *exact, "900K", ranks=1, says=("derivatives", "--memory-limit 2M"))
+        self.run_ranks_ok(1, *exact[:2], *exact[4:], "900K")
+        self.run_ranks_ok(1, *exact, "2M")
+
     def test_chosen_atoms_residues_and_polarity(self):
         self.assert_same_results(UBIQUITIN, "--radii", "protor", "--probe", "1.4", "--group", "residue", ranks=(3,))
         for topology in ("counts", "off"):

@@ -11,6 +11,7 @@
 
 #include "core/errors.hpp"
 #include "core/workspace.hpp"
+#include "distributed/shares/share_suspects.hpp"
 #include "distributed/shares/sphere_shares.hpp"
 #include "measures/arcs/arcs.hpp"
 #include "measures/arcs/ball_gradient.hpp"
@@ -21,7 +22,8 @@
 namespace vdwmesh {
 namespace {
 
-// Half as much again as was measured of measures; and what the first rank gathers and has.
+// The first and the second as in union_together(), with a row of derivatives for each near sphere;
+// the third is what the first rank gathers and returns for each.
 constexpr std::uint64_t kGradientBytesPerNear = 400, kGradientBytesPerSphere = 40,
                         kGradientBytesOfResult = 140;
 
@@ -33,8 +35,7 @@ struct NumberedGradient {
 // What one rank finds out.
 struct RankGradients {
   std::vector<NumberedGradient> found;
-  std::vector<SphereId> suspects;           // ids in the whole set
-  std::vector<NumberedBall> near_suspects;  // likewise
+  ShareSuspects suspects;
   std::uint64_t kinks = 0;
 };
 
@@ -76,16 +77,9 @@ RankGradients differentiate_share(const SphereShare& share, Monitor* monitor) {
   for (const SphereId i : share.own) {
     if (!std::ranges::binary_search(arcs.suspect, i)) part.found.push_back({ids[i], gradients[i]});
   }
-  if (arcs.suspect.empty()) return part;
-  part.near_suspects = balls_near(ball_list(near, workspace), near, arcs.suspect);
-  for (NumberedBall& ball : part.near_suspects) ball.id = ids[ball.id];
-  for (const SphereId i : arcs.suspect) part.suspects.push_back(ids[i]);
+  if (!arcs.suspect.empty())
+    part.suspects = suspects_of(share.near, arcs.suspect, ball_list(near, workspace));
   return part;
-}
-
-template <class T>
-void gather_on_first(const Ranks& ranks, std::vector<T>& array) {
-  array = ranks.collect(std::span<const T>(array));
 }
 
 GradientsTogether result_of(RankGradients all, std::size_t spheres) {
@@ -93,10 +87,10 @@ GradientsTogether result_of(RankGradients all, std::size_t spheres) {
   result.gradients.resize(spheres);
   for (const auto& [id, gradient] : all.found) result.gradients[id] = gradient;
   FaceVisitor visitor;
-  if (!all.suspects.empty()) {
+  if (!all.suspects.ids.empty()) {
     store_in(result.gradients, visitor);
     std::vector<SphereMeasures> measures(spheres);
-    visit_by_triangulation(all.suspects, std::move(all.near_suspects), measures, visitor);
+    visit_by_triangulation(all.suspects.ids, std::move(all.suspects.near), measures, visitor);
   }
   result.kink_spheres = all.kinks + visitor.kinks;
   require_finite_derivatives(std::ranges::all_of(result.gradients, is_finite));
@@ -116,9 +110,8 @@ GradientsTogether gradients_together(const Ranks& ranks, const SphereSet& sphere
     check_memory_of_gradients(ranks, spheres, share, memory_limit);
     part = differentiate_share(share, monitor);
   });
-  gather_on_first(ranks, part.found);
-  gather_on_first(ranks, part.suspects);
-  gather_on_first(ranks, part.near_suspects);
+  part.found = ranks.collect(std::span<const NumberedGradient>(part.found));
+  part.suspects = collect_suspects(ranks, part.suspects);
   part.kinks = ranks.sum(part.kinks);
   GradientsTogether result;
   ranks.together([&] {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "core/fixed_blocks.hpp"
 #include "core/workspace.hpp"
 #include "cuda/backend.hpp"
+#include "distributed/shares/share_suspects.hpp"
 #include "distributed/shares/sphere_shares.hpp"
 #include "distributed/together/components_together.hpp"
 #include "measures/arcs/arcs.hpp"
@@ -62,10 +64,9 @@ struct Part {
   ArcMeasures arcs;                         // of the CPU
   Buffer<SphereMeasures> on_device;         // in the order of the near spheres
   std::span<const SphereMeasures> by_near;  // those of the CPU or of the device
-  std::vector<SphereId> suspects;           // ids in the whole set
-  std::vector<NumberedBall> near_suspects;  // likewise
-  TotalsOfAll totals;                       // without the suspects' areas and volumes
-  std::vector<MeasuredSphere> measured;     // without the suspects; empty if not asked for
+  ShareSuspects suspects;
+  TotalsOfAll totals;                    // without the suspects' areas and volumes
+  std::vector<MeasuredSphere> measured;  // without the suspects; empty if not asked for
 };
 
 void check_memory(const Ranks& ranks, const SphereSet& spheres, const SphereShare& share,
@@ -92,15 +93,6 @@ std::vector<SphereId> spheres_for_arcs(const SphereShare& share, const MeasuredS
   return chosen;
 }
 
-// Names those of the share that were not measured, and the balls near them. `list` is of the near
-// spheres.
-void name_suspects(Part& part, std::span<const SphereId> suspects, const CellListView& list) {
-  const auto& [near, ids] = part.share.near;
-  part.near_suspects = balls_near(list, SphereSet::view(near), suspects);
-  for (NumberedBall& ball : part.near_suspects) ball.id = ids[ball.id];
-  for (const SphereId i : suspects) part.suspects.push_back(ids[i]);
-}
-
 void measure_share(Part& part, const MeasuredSpheres& measured,
                    const UnionTogetherOptions& options) {
   const std::vector<SphereId> wanted = spheres_for_arcs(part.share, measured, options.topology);
@@ -113,7 +105,7 @@ void measure_share(Part& part, const MeasuredSpheres& measured,
                workspace);
   part.by_near = part.arcs.per_sphere;
   if (!part.arcs.suspect.empty()) {
-    name_suspects(part, part.arcs.suspect, ball_list(near, workspace));
+    part.suspects = suspects_of(part.share.near, part.arcs.suspect, ball_list(near, workspace));
   }
 }
 
@@ -134,7 +126,7 @@ std::string measure_share_on_device(Part& part) {
   std::ranges::set_intersection(arcs.suspect, own, std::back_inserter(suspects));
   if (!suspects.empty()) {
     Workspace workspace;
-    name_suspects(part, suspects, ball_list(near, workspace));
+    part.suspects = suspects_of(spheres, suspects, ball_list(near, workspace));
   }
   return {};
 }
@@ -145,7 +137,7 @@ void add_up(Part& part, const MeasuredSpheres& measured, const UnionTogetherOpti
   if (part.by_near.empty()) return;
   const auto is_counted = [&, &ids = near.ids, &own = own](std::size_t n) {
     const SphereId id = ids[own[n]];
-    return measured.contains(id) && !std::ranges::binary_search(part.suspects, id);
+    return measured.contains(id) && !std::ranges::binary_search(part.suspects.ids, id);
   };
   part.totals.add(join_blocks(
       own.size(),
@@ -196,8 +188,7 @@ std::string measure_on_devices(const Ranks& ranks, Part& part,
 
 // What the ranks found out, as the first one has it.
 struct Gathered {
-  std::vector<SphereId> suspects;
-  std::vector<NumberedBall> near_suspects;
+  ShareSuspects suspects;
   std::vector<MeasuredSphere> measured;
   TotalsOfAll totals;
   std::uint64_t components = 0;
@@ -210,8 +201,7 @@ std::vector<T> collect(const Ranks& ranks, const std::vector<T>& mine) {
 
 Gathered gather(const Ranks& ranks, Part& part, TopologyRequest topology) {
   Gathered all;
-  all.suspects = collect(ranks, part.suspects);
-  all.near_suspects = collect(ranks, part.near_suspects);
+  all.suspects = collect_suspects(ranks, part.suspects);
   all.measured = collect(ranks, part.measured);
   for (const TotalsOfAll& totals : ranks.collect(std::span<const TotalsOfAll>(&part.totals, 1))) {
     all.totals.add(totals);
@@ -225,13 +215,14 @@ Gathered gather(const Ranks& ranks, Part& part, TopologyRequest topology) {
 
 // Adds the suspects, measured by a triangulation, to those that the arcs measured.
 void add_suspects(Gathered& all, const MeasuredSpheres& measured) {
-  if (all.suspects.empty()) return;
+  const std::vector<SphereId>& ids = all.suspects.ids;
+  if (ids.empty()) return;
   const std::vector<SphereMeasures> measures =
-      reference_measures(all.suspects, std::move(all.near_suspects));
+      reference_measures(ids, std::move(all.suspects.near));
   for (std::size_t i = 0; i < measures.size(); ++i) {
-    if (!measured.contains(all.suspects[i])) continue;
+    if (!measured.contains(ids[i])) continue;
     all.totals.add(measures[i]);
-    all.measured.push_back({all.suspects[i], measures[i]});
+    all.measured.push_back({ids[i], measures[i]});
   }
 }
 
@@ -251,7 +242,7 @@ ExactUnion result_of(Gathered all, const SphereSet& spheres, const MeasuredSpher
   result.area = all.totals.area.nearest();
   result.volume = all.totals.volume.nearest();
   require_finite({{result.area, result.volume}});
-  result.fallback_spheres = all.suspects.size();
+  result.fallback_spheres = all.suspects.ids.size();
   if (options.topology != TopologyRequest::none) {
     result.counts = counts_of(all.totals.patches, all.components);
     result.doubtful_spheres = all.totals.patches.doubtful;
