@@ -151,7 +151,7 @@ void report_gradients(const std::vector<Sphere>& spheres, double probe) {
   }
   std::printf(
       "probe %.1f  %8u spheres, gradients: largest difference %.1e (1 + size); kinks %llu\n", probe,
-      size, most, static_cast<unsigned long long>(gradients.kink_spheres));
+      size, most, static_cast<unsigned long long>(gradients.kink_spheres.at(0)));
 }
 
 // The largest differences between both backends, as shares of the whole ball.

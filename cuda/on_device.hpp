@@ -133,8 +133,8 @@ struct CudaExactMesh {
 CudaExactMesh exact_mesh_on_device(const DeviceFrames& spheres, const ExactMeshOptions& exact,
                                    const RefineOptions& refine);
 
-// The measures of the balls of several frames in device memory: rows of frames × atoms. Copies
-// share the arrays.
+// The measures of the balls of several sets in device memory, of frames one row of atoms after
+// another. Copies share the arrays.
 class CudaMeasures {
  public:
   struct Data;  // for the library's own use
@@ -143,7 +143,6 @@ class CudaMeasures {
   int device() const;
   const SphereMeasures* rows() const;  // Å² and Å³; NaN for balls that were not to be measured
   const BallGradient* gradients() const;  // null if nobody asked
-  std::uint64_t kink_spheres() const;     // as in BatchGradients
 
  private:
   std::shared_ptr<const Data> data_;
@@ -155,9 +154,19 @@ class CudaMeasures {
 CudaMeasures measure_on_device(std::vector<ExactUnion>& result, const DeviceFrames& frames,
                                const FrameOptions& options);
 // The same with derivatives of the sums of each frame, which are left on the device. The weights
-// are frames × atoms numbers in its memory. Throws InvalidInput if options.measures.measured names
-// atoms, and for weights and derivatives as UnionMeasurer does.
-CudaMeasures gradients_on_device(std::vector<ExactUnion>& result, const DeviceFrames& frames,
-                                 const BatchWeights& weights, const FrameOptions& options);
+// are those of the atoms, in its memory, for every frame alike. `kink_spheres` gets those of each
+// frame (UnionGradients). Throws InvalidInput if options.measures.measured names atoms, and for
+// weights and derivatives as UnionMeasurer does.
+CudaMeasures gradients_on_device(std::vector<ExactUnion>& result,
+                                 std::vector<std::uint64_t>& kink_spheres,
+                                 const DeviceFrames& frames, const BatchWeights& weights,
+                                 const FrameOptions& options);
+// Measures many sets, whose balls are those of the first frame: set i has the balls offsets[i] up
+// to offsets[i + 1] (SphereBatch). `result` has the bits of UnionMeasurer of Backend::cuda. Without
+// weights (null), which are those of all balls, there are no derivatives. Throws InvalidFrame if
+// the frame is invalid, and as UnionMeasurer does.
+CudaMeasures sets_on_device(BatchMeasures& result, std::vector<std::uint64_t>& kink_spheres,
+                            const DeviceFrames& balls, std::span<const std::size_t> offsets,
+                            const BatchWeights* weights, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

@@ -66,12 +66,15 @@ IndexedMesh CudaMesh::download() const { throw BackendUnavailable(kReason); }
 int CudaMeasures::device() const { throw BackendUnavailable(kReason); }
 const SphereMeasures* CudaMeasures::rows() const { throw BackendUnavailable(kReason); }
 const BallGradient* CudaMeasures::gradients() const { throw BackendUnavailable(kReason); }
-std::uint64_t CudaMeasures::kink_spheres() const { throw BackendUnavailable(kReason); }
 CudaMeasures measure_on_device(std::vector<ExactUnion>&, const DeviceFrames&, const FrameOptions&) {
   throw BackendUnavailable(kReason);
 }
-CudaMeasures gradients_on_device(std::vector<ExactUnion>&, const DeviceFrames&, const BatchWeights&,
-                                 const FrameOptions&) {
+CudaMeasures gradients_on_device(std::vector<ExactUnion>&, std::vector<std::uint64_t>&,
+                                 const DeviceFrames&, const BatchWeights&, const FrameOptions&) {
+  throw BackendUnavailable(kReason);
+}
+CudaMeasures sets_on_device(BatchMeasures&, std::vector<std::uint64_t>&, const DeviceFrames&,
+                            std::span<const std::size_t>, const BatchWeights*, Monitor*) {
   throw BackendUnavailable(kReason);
 }
 

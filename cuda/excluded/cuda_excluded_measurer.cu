@@ -85,7 +85,7 @@ class CudaExcludedMeasurer final : public ExcludedMeasurer {
                                                                     .size = atoms.size,
                                                                     .offsets = atoms.offsets,
                                                                     .memory = MemorySpace::device},
-                                                                   grown.data(), stream);
+                                                                   grown.data(), nullptr, stream);
     result.host_balls = measured.redone.size();
     const measure::BatchCellsView& list = measured.on_device.cells.view();
     // The device's rows, but for those that the host measured.

@@ -19,14 +19,16 @@ __device__ inline arcs::BallWeights weights_at(const BatchWeights& weights, std:
 struct MeasureCounts {
   std::uint32_t doubtful;  // balls whose rows mean nothing
   std::uint32_t large;     // balls for which the first kernel had no room
-  // Of derivatives: balls at a kink (UnionGradients::kink_spheres), rows and weights not finite.
-  std::uint32_t kinks, rows_not_finite, weights_not_finite;
+  std::uint32_t rows_not_finite, weights_not_finite;  // of derivatives
 };
 
 struct DeviceMeasures {
   BatchCells cells;
   DeviceArray<SphereMeasures> per_sphere;  // in the order of the batch, Å² and Å³
-  DeviceArray<BallGradient> gradients;     // in the order of the batch; empty if nobody asks
+  // In the order of the batch, and for each set the balls at a kink (UnionGradients::kink_spheres);
+  // empty if nobody asks.
+  DeviceArray<BallGradient> gradients;
+  DeviceArray<std::uint64_t> kinks;
   // List places of the balls whose rows mean nothing, in no order: a check left a doubt, or the
   // device has no room for the ball.
   DeviceArray<ListPlace> doubtful;
@@ -39,17 +41,15 @@ DeviceMeasures measure_on_device(const DeviceBatch& batch, const Stream& stream,
 
 // The measures of a batch whose doubtful balls were measured on the host.
 struct MeasuredBatch {
-  DeviceMeasures on_device;  // rows of the balls `redone` mean nothing
-  MeasureCounts counts;
-  std::vector<std::uint32_t> redone;  // indices in the batch
+  DeviceMeasures on_device;                    // rows of the balls `redone` mean nothing
+  std::vector<std::uint32_t> redone;           // indices in the batch
+  std::vector<BallGradient> redone_gradients;  // theirs; empty if nobody asks
 };
 
-// Measures a batch into `result`. `spheres` are the batch's, in memory of the current device.
-// Returns when the stream has done its work. Throws as UnionMeasurer does.
+// Measures a batch into `result`. `spheres` are the batch's, in memory of the current device. With
+// `weights`, which are there too, also the gradients, which stay there. Returns when the stream has
+// done its work. Throws as UnionMeasurer does.
 MeasuredBatch measure_batch(BatchMeasures& result, const SphereBatch& batch, const Sphere* spheres,
-                            const Stream& stream);
-// The same with gradients; the weights are in memory of the current device.
-MeasuredBatch measure_batch(BatchGradients& result, const SphereBatch& batch, const Sphere* spheres,
-                            const BatchWeights& weights, const Stream& stream);
+                            const BatchWeights* weights, const Stream& stream);
 
 }  // namespace vdwmesh::measure

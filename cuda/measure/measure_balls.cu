@@ -61,6 +61,7 @@ enum class Wanted { measures, gradients };
 struct GradientRows {
   BallGradient* rows;                // by index in the batch
   const arcs::BallWeights* weights;  // by list place; null: all are 1
+  unsigned long long* kinks;         // by set
   MeasureCounts* counts;
 
   __device__ arcs::BallWeights weights_of(ListPlace place) const {
@@ -311,7 +312,7 @@ __device__ __forceinline__ void measure_place(
     const bool comes_again =
         unit.outcome == Outcome::too_large && too_large.places != doubtful.places;
     if (__any_sync(kAllLanes, ball.has_kink()) && !comes_again && lane == 0) {
-      atomicAdd(&gradients.counts->kinks, 1u);
+      atomicAdd(&gradients.kinks[set_at(list, place)], 1ull);
     }
   }
   if (lane != 0) return;
@@ -403,6 +404,7 @@ DeviceMeasures measure_on_device(const DeviceBatch& batch, const Stream& stream,
       .cells = BatchCells(batch, stream),
       .per_sphere = DeviceArray<SphereMeasures>(batch.size, stream),
       .gradients = DeviceArray<BallGradient>(weights != nullptr ? batch.size : 0, stream),
+      .kinks = zeros<std::uint64_t>(weights != nullptr ? batch.sets : 0, stream),
       .doubtful = DeviceArray<ListPlace>(batch.size, stream),
       .counts = zeros<MeasureCounts>(1, stream)};
   if (weights == nullptr) {
@@ -416,7 +418,12 @@ DeviceMeasures measure_on_device(const DeviceBatch& batch, const Stream& stream,
            *weights, by_place.data(), result.counts.data());
   }
   measure_places<Wanted::gradients>(
-      result, {result.gradients.data(), by_place.data(), result.counts.data()}, stream);
+      result,
+      {.rows = result.gradients.data(),
+       .weights = by_place.data(),
+       .kinks = reinterpret_cast<unsigned long long*>(result.kinks.data()),
+       .counts = result.counts.data()},
+      stream);
   return result;
 }
 

@@ -86,15 +86,12 @@ __global__ void take_weights(const std::uint32_t* ids, std::uint64_t count, Batc
   if (i < count) taken[i] = weights_at(weights, ids[i]);
 }
 
-// Rows of the host, in the order of the batch. Nobody asks for gradients if there are none.
+// Rows of the host, in the order of the batch; `kinks` has one for each set. Gradients and kinks
+// are not brought to the host if there are none.
 struct HostRows {
   std::span<SphereMeasures> per_sphere;
   std::span<BallGradient> gradients = {};
-
-  HostRows part(std::size_t first, std::size_t size) const {
-    return {per_sphere.subspan(first, size),
-            gradients.empty() ? gradients : gradients.subspan(first, size)};
-  }
+  std::span<std::uint64_t> kinks = {};
 };
 
 // The balls that the device leaves to the host, with the balls that overlap them.
@@ -106,36 +103,38 @@ struct HostWork {
   std::vector<arcs::BallWeights> near_weights;  // if gradients are asked for
 };
 
-// Fills the rows of the wanted balls. `weights` are those of all balls in `near`.
+// Fills the rows of the wanted balls, and `gradients` with theirs. `weights` are those of all balls
+// in `near`.
 void differentiate_on_host(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
                            const std::unordered_map<SphereId, arcs::BallWeights>& weights,
-                           const HostRows& rows) {
-  for (const SphereId id : wanted) rows.gradients[id] = {};  // if it has no volume of its own
+                           std::span<SphereMeasures> rows, std::span<BallGradient> gradients) {
+  std::ranges::fill(gradients, BallGradient{});  // of a ball without a volume of its own
   FaceVisitor visitor;
   visitor.visit = [&](SphereId id, const Sphere& ball, double area, auto faces) {
-    rows.gradients[id] = ball_gradient(ball, area, faces, weights.at(id),
-                                       [&](SphereId other) { return weights.at(other); });
-    require_finite_derivatives(is_finite(rows.gradients[id]));
+    const BallGradient found = ball_gradient(ball, area, faces, weights.at(id),
+                                             [&](SphereId other) { return weights.at(other); });
+    require_finite_derivatives(is_finite(found));
+    gradients[std::ranges::find(wanted, id) - wanted.begin()] = found;
   };
-  visit_by_triangulation(wanted, std::move(near), rows.per_sphere, visitor);
+  visit_by_triangulation(wanted, std::move(near), rows, visitor);
 }
 
 // Measures balls begin up to end of the work, which are of one set, by one triangulation.
+// `gradients` are those of the work, or none.
 void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
-                     const HostRows& rows) {
+                     std::span<SphereMeasures> rows, std::span<BallGradient> gradients) {
   std::vector<NumberedBall> near;
   for (std::uint64_t i = work.first[begin]; i < work.first[end]; ++i) {
     near.push_back({work.near_ids[i], work.near_spheres[i]});
   }
   const auto wanted = std::span(work.ids).subspan(begin, end - begin);
-  if (rows.gradients.empty()) {
-    return set_reference_measures(wanted, std::move(near), rows.per_sphere);
-  }
+  if (gradients.empty()) return set_reference_measures(wanted, std::move(near), rows);
   std::unordered_map<SphereId, arcs::BallWeights> weights;
   for (std::uint64_t i = work.first[begin]; i < work.first[end]; ++i) {
     weights.emplace(work.near_ids[i], work.near_weights[i]);
   }
-  differentiate_on_host(wanted, std::move(near), weights, rows);
+  differentiate_on_host(wanted, std::move(near), weights, rows,
+                        gradients.subspan(begin, end - begin));
 }
 
 // Brings the doubtful balls and their neighbours to the host.
@@ -174,7 +173,8 @@ HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const Ba
 // together, and near each other those that are near in space. So a few neighbouring ones share a
 // triangulation. The parts of a set begin at its first entry. The order of list places, and with it
 // the last bits, may depend on the other sets of the batch or of its part.
-void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets, const HostRows& rows) {
+void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
+          std::span<SphereMeasures> rows, std::span<BallGradient> gradients) {
   constexpr std::size_t kMostTogether = 64;
   const auto set_of = [&](std::uint32_t id) {
     return std::upper_bound(offsets.begin(), offsets.end(), id);
@@ -188,7 +188,7 @@ void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets, const
   }
   part_begin.push_back(work.ids.size());
   tbb::parallel_for(std::size_t{1}, part_begin.size(), [&](std::size_t part) {
-    measure_on_host(work, part_begin[part - 1], part_begin[part], rows);
+    measure_on_host(work, part_begin[part - 1], part_begin[part], rows, gradients);
   });
 }
 
@@ -228,7 +228,8 @@ LeftMeasures measure_and_download(const HostRows& rows, const std::vector<std::u
   require_finite_derivatives(left.counts.rows_not_finite == 0);
   download_parts(
       {{rows.per_sphere.data(), left.on_device.per_sphere.data(), rows.per_sphere.size_bytes()},
-       {rows.gradients.data(), left.on_device.gradients.data(), rows.gradients.size_bytes()}},
+       {rows.gradients.data(), left.on_device.gradients.data(), rows.gradients.size_bytes()},
+       {rows.kinks.data(), left.on_device.kinks.data(), rows.kinks.size_bytes()}},
       stream);
   return left;
 }
@@ -239,18 +240,30 @@ MeasuredBatch measure_balls(const HostRows& rows, const SphereBatch& batch, cons
                             const BatchWeights* weights, const Stream& stream) {
   const std::vector<std::uint32_t> offsets = offsets_of(batch);
   auto [on_device, counts] = measure_and_download(rows, offsets, spheres, weights, stream);
-  MeasuredBatch measured{std::move(on_device), counts, {}};
-  if (counts.doubtful > 0) {
-    HostWork work = host_work(measured.on_device, counts.doubtful, weights, stream);
-    redo(work, offsets, rows);
-    measured.redone = std::move(work.ids);
+  MeasuredBatch measured{.on_device = std::move(on_device)};
+  if (counts.doubtful == 0) return measured;
+  HostWork work = host_work(measured.on_device, counts.doubtful, weights, stream);
+  std::vector<BallGradient>& gradients = measured.redone_gradients;
+  if (weights != nullptr) gradients.resize(work.ids.size());
+  redo(work, offsets, rows.per_sphere, gradients);
+  for (std::size_t i = 0; i < gradients.size() && !rows.gradients.empty(); ++i) {
+    rows.gradients[work.ids[i]] = gradients[i];
   }
+  measured.redone = std::move(work.ids);
   return measured;
 }
 
 // Sets that stand one after another, from number `first` up to `end`.
 struct SetRange {
   std::size_t first, end;
+
+  // The rows of their balls, which begin at `ball`.
+  HostRows of(const HostRows& rows, std::size_t ball, std::size_t balls) const {
+    const HostRows own{rows.per_sphere.subspan(ball, balls)};
+    if (rows.gradients.empty()) return own;
+    return {own.per_sphere, rows.gradients.subspan(ball, balls),
+            rows.kinks.subspan(first, end - first)};
+  }
 };
 
 // Cuts a batch where a set ends, into parts of at least so many balls but for the last.
@@ -282,14 +295,9 @@ struct UploadedWeights {
   BatchWeights there() const { return {area.data(), volume.data()}; }
 };
 
-// Balls that the host measured, and balls at a kink.
-struct TakenBalls {
-  std::atomic<std::uint64_t> redone{0}, kinks{0};
-};
-
-// Uploads and measures the balls of some sets.
-void measure_part(const HostRows& rows, const SphereBatch& batch, const BatchWeights* weights,
-                  const SetRange& part, const Stream& stream, TakenBalls& taken) {
+// Uploads and measures the balls of some sets. Returns how many of them the host measured.
+std::size_t measure_part(const HostRows& rows, const SphereBatch& batch,
+                         const BatchWeights* weights, const SetRange& part, const Stream& stream) {
   const std::size_t first = batch.set_begin(part.first), size = batch.set_end(part.end - 1) - first;
   std::vector<std::size_t> offsets{0};
   for (std::size_t set = part.first; set < part.end; ++set) {
@@ -300,26 +308,26 @@ void measure_part(const HostRows& rows, const SphereBatch& batch, const BatchWei
   upload_parts({{uploaded.data(), spheres, uploaded.bytes()}}, stream);
   const UploadedWeights copied(weights != nullptr ? *weights : BatchWeights{}, first, size, stream);
   const BatchWeights there = copied.there();
-  const MeasuredBatch measured =
-      measure_balls(rows.part(first, size), {.spheres = spheres, .size = size, .offsets = offsets},
-                    uploaded.data(), weights != nullptr ? &there : nullptr, stream);
-  taken.redone += measured.redone.size();
-  taken.kinks += measured.counts.kinks;
+  const MeasuredBatch measured = measure_balls(
+      part.of(rows, first, size), {.spheres = spheres, .size = size, .offsets = offsets},
+      uploaded.data(), weights != nullptr ? &there : nullptr, stream);
+  return measured.redone.size();
 }
 
 // Measures a batch in memory of the host. Two threads take its parts in turn, each with a stream of
-// its own, so that the balls of one part travel while the device measures those of another.
-void measure_from_host(const HostRows& rows, const SphereBatch& batch, const BatchWeights* weights,
-                       TakenBalls& taken) {
+// its own, so that the balls of one part travel while the device measures those of another. Returns
+// how many balls the host measured.
+std::uint64_t measure_from_host(const HostRows& rows, const SphereBatch& batch,
+                                const BatchWeights* weights) {
   const std::vector<SetRange> parts = parts_of(batch);
   int device = 0;
   check_cuda(cudaGetDevice(&device), "device");
-  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> next{0}, redone{0};
   const auto take_parts = [&](std::size_t) {
     check_cuda(cudaSetDevice(device), "device");
     const Stream stream;
     for (std::size_t i = next++; i < parts.size(); i = next++) {
-      measure_part(rows, batch, weights, parts[i], stream, taken);
+      redone += measure_part(rows, batch, weights, parts[i], stream);
     }
   };
   try {
@@ -329,6 +337,15 @@ void measure_from_host(const HostRows& rows, const SphereBatch& batch, const Bat
     SphereSet::view({batch.spheres, batch.size});
     throw;
   }
+  return redone;
+}
+
+// The rows of a result, made as many as the batch needs.
+HostRows rows_for(BatchGradients& result, const SphereBatch& batch) {
+  result.measures.per_sphere.resize(batch.size);
+  result.per_sphere.resize(batch.size);
+  result.kink_spheres.resize(batch.set_count());
+  return {result.measures.per_sphere, result.per_sphere, result.kink_spheres};
 }
 
 void finish(BatchMeasures& result, const SphereBatch& batch, std::uint64_t redone) {
@@ -345,13 +362,10 @@ class CudaUnionMeasurer final : public UnionMeasurer {
     const DeviceScope scope;
     begin_stage(monitor, "exact union (arcs, CUDA)", 1);
     if (batch.memory == MemorySpace::host) {
-      TakenBalls taken;
       result.per_sphere.resize(batch.size);
-      measure_from_host({result.per_sphere}, batch, nullptr, taken);
-      finish(result, batch, taken.redone);
+      finish(result, batch, measure_from_host({result.per_sphere}, batch, nullptr));
     } else {
-      const Stream stream;
-      measure_batch(result, batch, batch.spheres, stream);
+      measure_batch(result, batch, batch.spheres, nullptr, Stream());
     }
     advance(monitor, 1);
   }
@@ -361,18 +375,15 @@ class CudaUnionMeasurer final : public UnionMeasurer {
     check_sets(batch);
     const DeviceScope scope;
     begin_stage(monitor, "gradients of the exact union (CUDA)", 1);
+    const HostRows rows = rows_for(result, batch);
+    std::uint64_t redone = 0;
     if (batch.memory == MemorySpace::host) {
       check_weights(weights_of(weights.area, batch), weights_of(weights.volume, batch), batch.size);
-      TakenBalls taken;
-      result.measures.per_sphere.resize(batch.size);
-      result.per_sphere.resize(batch.size);
-      measure_from_host({result.measures.per_sphere, result.per_sphere}, batch, &weights, taken);
-      result.kink_spheres = taken.kinks;
-      finish(result.measures, batch, taken.redone);
+      redone = measure_from_host(rows, batch, &weights);
     } else {
-      const Stream stream;
-      measure_batch(result, batch, batch.spheres, weights, stream);
+      redone = measure_balls(rows, batch, batch.spheres, &weights, Stream()).redone.size();
     }
+    finish(result.measures, batch, redone);
     advance(monitor, 1);
   }
 
@@ -385,21 +396,10 @@ class CudaUnionMeasurer final : public UnionMeasurer {
 }  // namespace
 
 MeasuredBatch measure_batch(BatchMeasures& result, const SphereBatch& batch, const Sphere* spheres,
-                            const Stream& stream) {
+                            const BatchWeights* weights, const Stream& stream) {
   result.per_sphere.resize(batch.size);
-  MeasuredBatch measured = measure_balls({result.per_sphere}, batch, spheres, nullptr, stream);
+  MeasuredBatch measured = measure_balls({result.per_sphere}, batch, spheres, weights, stream);
   finish(result, batch, measured.redone.size());
-  return measured;
-}
-
-MeasuredBatch measure_batch(BatchGradients& result, const SphereBatch& batch, const Sphere* spheres,
-                            const BatchWeights& weights, const Stream& stream) {
-  result.measures.per_sphere.resize(batch.size);
-  result.per_sphere.resize(batch.size);
-  MeasuredBatch measured = measure_balls({result.measures.per_sphere, result.per_sphere}, batch,
-                                         spheres, &weights, stream);
-  result.kink_spheres = measured.counts.kinks;
-  finish(result.measures, batch, measured.redone.size());
   return measured;
 }
 

@@ -136,6 +136,20 @@ CudaArray row_of(const CudaArray& a, std::size_t k) {
   return row;
 }
 
+// Numbers of rows that lie `row_bytes` apart, `columns` of each (0: one). No values if a size is 0.
+py::object array_there(const std::shared_ptr<const CudaMeasures>& there, const double* first,
+                       std::size_t row_bytes, const std::vector<std::size_t>& shape,
+                       std::size_t columns = 0) {
+  CudaArray found{array_of(there, first, shape.back(), columns, row_bytes), there->device()};
+  Array& array = found.array;
+  for (std::size_t i = shape.size() - 1; i-- > 0;) {
+    const py::ssize_t step = array.strides.front() * array.shape.front();
+    array.strides.insert(array.strides.begin(), step);
+    array.shape.insert(array.shape.begin(), static_cast<py::ssize_t>(shape[i]));
+  }
+  return py::cast(std::move(found));
+}
+
 void wait_without_gil(int device, std::uintptr_t stream) {
   const py::gil_scoped_release free;
   wait_for_stream(device, stream);
@@ -193,6 +207,57 @@ DeviceFrames frames_of(const py::tuple& coords, const py::object& radii, double 
   require_one_each(sizes.size(), centers.shape.at(1));
   const py::gil_scoped_release free;
   return DeviceFrames(centers.device, coordinates_of(centers, unit), sizes, probe);
+}
+
+void require_valid(const DeviceFrames& balls) {
+  if (!balls.invalid()) return;
+  const InvalidFrame& error = *balls.invalid();
+  const std::string place = error.atom() ? fmt::format("coords[{}]", *error.atom()) : "coords";
+  throw InvalidInput(fmt::format("{}: {}", place, error.what()));
+}
+
+DeviceWeights::DeviceWeights(const py::tuple& coords, const py::object& area,
+                             const py::object& volume, std::size_t atoms) {
+  const int device = CudaInput(coords, "coords").device;
+  const auto weights_at = [&](const py::object& given) -> const double* {
+    if (given.is_none()) return nullptr;
+    const CudaInput weights(given, "weights");
+    if (weights.device != device) {
+      throw InvalidInput(fmt::format("weights: are on CUDA device {}, coords on device {}",
+                                     weights.device, device));
+    }
+    const bool dense = weights.strides.at(0) == py::ssize_t{sizeof(double)} || atoms == 1;
+    if (weights.type != CoordinateType::float64 || !dense) {
+      throw InvalidInput("weights: on a device they are float64 without gaps");
+    }
+    if (weights.shape.at(0) != atoms) {
+      throw InvalidInput(fmt::format("weights: has {} numbers for {} atoms of coords",
+                                     weights.shape.at(0), atoms));
+    }
+    return reinterpret_cast<const double*>(weights.first);
+  };
+  batch_ = {.area = weights_at(area), .volume = weights_at(volume)};
+}
+
+py::tuple measures_there(const std::shared_ptr<const CudaMeasures>& there,
+                         const std::vector<std::size_t>& shape) {
+  const SphereMeasures* const rows = there->rows();
+  const auto column = [&](double SphereMeasures::*measure) {
+    const double* const first = rows != nullptr ? &(rows->*measure) : nullptr;
+    return array_there(there, first, sizeof(SphereMeasures), shape);
+  };
+  return py::make_tuple(column(&SphereMeasures::area), column(&SphereMeasures::volume));
+}
+
+py::tuple slopes_there(const std::shared_ptr<const CudaMeasures>& there,
+                       const std::vector<std::size_t>& shape, std::vector<std::uint64_t> kinks) {
+  const auto column = [&](const double& first, std::size_t columns) {
+    return array_there(there, &first, sizeof(BallGradient), shape, columns);
+  };
+  const BallGradient& row = *there->gradients();
+  return py::make_tuple(column(row.area_center.x, 3), column(row.area_radius, 0),
+                        column(row.volume_center.x, 3), column(row.volume_radius, 0),
+                        std::move(kinks));
 }
 
 void bind_cuda_arrays(py::module_& module) {

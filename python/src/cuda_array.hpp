@@ -42,4 +42,28 @@ struct CudaInput {
 // is left to the caller. Needs the GIL, which it frees while the device works.
 DeviceFrames frames_of(const py::tuple& coords, const py::object& radii, double unit, double probe);
 
+// Throws InvalidInput that names the atom if the first frame is invalid.
+void require_valid(const DeviceFrames& balls);
+
+// Weights of atoms that lie where their coordinates do; None stands for weights of 1.
+class DeviceWeights {
+ public:
+  // Throws InvalidInput for weights on another device, of another type, with gaps, or not one for
+  // each atom.
+  DeviceWeights(const py::tuple& coords, const py::object& area, const py::object& volume,
+                std::size_t atoms);
+  const BatchWeights& batch() const { return batch_; }
+
+ private:
+  BatchWeights batch_;
+};
+
+// Measures of atoms (Å², Å³) and derivatives of their sums, as arrays of this shape, in C order,
+// whose memory `there` keeps alive. slopes_there() has those of the area by centres and radii,
+// those of the volume, and `kinks` (UnionGradients).
+py::tuple measures_there(const std::shared_ptr<const CudaMeasures>& there,
+                         const std::vector<std::size_t>& shape);
+py::tuple slopes_there(const std::shared_ptr<const CudaMeasures>& there,
+                       const std::vector<std::size_t>& shape, std::vector<std::uint64_t> kinks);
+
 }  // namespace vdwmesh::python

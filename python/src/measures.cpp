@@ -249,23 +249,10 @@ py::dict measure_gradient(const py::buffer& coords, const py::buffer& radii,
   return result;
 }
 
-// The column of the measures (T, N) at `first`.
-CudaArray column_there(const std::shared_ptr<const CudaMeasures>& there, const double* first,
-                       std::size_t frames, std::size_t atoms) {
-  const auto row = static_cast<py::ssize_t>(sizeof(SphereMeasures));
-  Array array = array_of(there, first, frames, atoms);
-  array.strides = {row * static_cast<py::ssize_t>(atoms), row};
-  return {std::move(array), there->device()};
-}
-
 // The areas and the volumes of all frames, where they are wanted.
 py::object columns_there(const Found& found, std::size_t atoms) {
   if (!found.there) return py::none();
-  const SphereMeasures* const rows = found.there->rows();
-  const std::size_t frames = found.frames.size();
-  return py::make_tuple(
-      column_there(found.there, frames > 0 ? &rows->area : nullptr, frames, atoms),
-      column_there(found.there, frames > 0 ? &rows->volume : nullptr, frames, atoms));
+  return measures_there(found.there, {found.frames.size(), atoms});
 }
 
 // The same for coordinates in device memory; and the areas and volumes of the atoms there, or None.
@@ -284,62 +271,28 @@ py::tuple measure_frames_there(const py::tuple& coords, const py::object& radii,
   return py::tuple(lists_of(std::move(found), request.exact.topology) + py::make_tuple(there));
 }
 
-// Weights of the atoms that lie where the coordinates do; null stands for 1.
-const double* weights_there(const std::optional<CudaInput>& weights, const DeviceFrames& balls,
-                            int device) {
-  if (!weights) return nullptr;
-  if (weights->device != device) {
-    throw InvalidInput(fmt::format("weights: are on CUDA device {}, coords on device {}",
-                                   weights->device, device));
-  }
-  const bool dense = weights->strides.at(0) == py::ssize_t{sizeof(double)} || balls.atoms() == 1;
-  if (weights->type != CoordinateType::float64 || !dense) {
-    throw InvalidInput("weights: on a device they are float64 without gaps");
-  }
-  if (weights->shape.at(0) != balls.atoms()) {
-    throw InvalidInput(fmt::format("weights: has {} numbers for {} atoms of coords",
-                                   weights->shape.at(0), balls.atoms()));
-  }
-  return reinterpret_cast<const double*>(weights->first);
-}
-
-// A column of the derivatives, of one number or three an atom.
-CudaArray slope_there(const std::shared_ptr<const CudaMeasures>& there, const double* first,
-                      std::size_t atoms, std::size_t columns) {
-  return {array_of(there, first, atoms, columns, sizeof(BallGradient)), there->device()};
-}
-
-// The measures of one set in device memory and their derivatives, which are left there: the result
+// The measures of frames in device memory and their derivatives, which are left there: the result
 // of measure_on_device, and by centres and radii the derivatives of area and of volume, and how
-// many atoms may have none.
+// many atoms of each frame may have none.
 py::tuple gradient_there(const py::tuple& coords, const py::object& radii,
                          const py::object& area_weights, const py::object& volume_weights,
                          const py::kwargs& given) {
   const MeasureCall request(given);
   const DeviceFrames balls = frames_of(coords, radii, request.unit, request.exact.probe);
-  const auto weights_of = [](const py::object& weights) {
-    return weights.is_none() ? std::nullopt
-                             : std::optional<CudaInput>(std::in_place, weights, "weights");
-  };
-  const auto areas = weights_of(area_weights), volumes = weights_of(volume_weights);
-  const int device = CudaInput(coords, "coords").device;
-  const BatchWeights weights{weights_there(areas, balls, device),
-                             weights_there(volumes, balls, device)};
+  const DeviceWeights weights(coords, area_weights, volume_weights, balls.atoms());
+  std::vector<std::uint64_t> kinks;
   Found found = call(request.threads, [&](Monitor& monitor) {
-    Found one;
-    one.there = std::make_shared<const CudaMeasures>(
-        gradients_on_device(one.frames, balls, weights, options_of(request, nullptr, monitor)));
-    one.invalid = balls.invalid();
-    return one;
+    Found some;
+    some.there = std::make_shared<const CudaMeasures>(gradients_on_device(
+        some.frames, kinks, balls, weights.batch(), options_of(request, nullptr, monitor)));
+    some.invalid = balls.invalid();
+    return some;
   });
+  const std::size_t frames = found.frames.size();
   const py::object there = columns_there(found, balls.atoms());
   py::object slopes = py::none();
-  if (const BallGradient* g = found.frames.empty() ? nullptr : found.there->gradients()) {
-    slopes = py::make_tuple(slope_there(found.there, &g->area_center.x, balls.atoms(), 3),
-                            slope_there(found.there, &g->area_radius, balls.atoms(), 0),
-                            slope_there(found.there, &g->volume_center.x, balls.atoms(), 3),
-                            slope_there(found.there, &g->volume_radius, balls.atoms(), 0),
-                            found.there->kink_spheres());
+  if (frames > 0) {
+    slopes = slopes_there(found.there, {frames, balls.atoms()}, std::move(kinks));
   }
   return py::tuple(lists_of(std::move(found), TopologyRequest::none) +
                    py::make_tuple(there, slopes));

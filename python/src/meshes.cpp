@@ -225,13 +225,6 @@ std::vector<MeshHandle> mesh_many(const py::buffer& coords, const py::buffer& ra
   });
 }
 
-void require_valid(const DeviceFrames& balls) {
-  if (!balls.invalid()) return;
-  const InvalidFrame& error = *balls.invalid();
-  const std::string place = error.atom() ? fmt::format("coords[{}]", *error.atom()) : "coords";
-  throw InvalidInput(fmt::format("{}: {}", place, error.what()));
-}
-
 // The same for coordinates (1, N, 3) in device memory, where the mesh stays.
 CudaMeshHandle mesh_there(const py::tuple& coords, const py::object& radii,
                           std::optional<int> threads, const py::kwargs& given) {

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from vdwmesh._batch import BatchRow, batch
+    from vdwmesh._batch import BatchRow, ExactSets, batch, exact_many
     from vdwmesh._checks import (
         Comparison,
         DistanceStatistics,
@@ -71,6 +71,7 @@ __all__ = [
     "DistanceStatistics",
     "Distribution",
     "Error",
+    "ExactSets",
     "ExactUnion",
     "ExcludedGradient",
     "ExcludedMeasures",
@@ -104,6 +105,7 @@ __all__ = [
     "batch",
     "compare",
     "exact",
+    "exact_many",
     "frames",
     "interface",
     "jacobian",
@@ -129,7 +131,7 @@ __all__ = [
 # Where each name is. A module is imported when one of its names is first used (PEP 562), because
 # NumPy takes longer to import than all of this package.
 _HOMES = {
-    "_batch": "BatchRow batch",
+    "_batch": "BatchRow ExactSets batch exact_many",
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
     "_cuda": "CudaArray CudaAtoms CudaGradient CudaMesh",

@@ -266,31 +266,32 @@ def with_gradient(
 ) -> ExactUnion:
     """One set with its gradient, of all atoms."""
     found = _core.measure_gradient(centers, sizes, *weights, **vars(options))
-    rows, kinks = found.pop("gradient")
-    table = view(rows)
-    gradient = UnionGradient(table[:, :3], table[:, 3], table[:, 4:7], table[:, 7], kinks)
+    gradient = union_gradient(*found.pop("gradient"))
     return ExactUnion(**as_arrays(found), gradient=gradient)
+
+
+def union_gradient(rows: Any, kinks: int) -> UnionGradient:
+    """Rows of eight derivatives that the C++ side has."""
+    table = view(rows)
+    return UnionGradient(table[:, :3], table[:, 3], table[:, 4:7], table[:, 7], kinks)
+
+
+def weights_there(weights: Any) -> list[CudaInput | None]:
+    """Both weights beside coordinates on a device."""
+    pair = _two(weights)
+    if any(w is not None and not is_on_device(w) for w in pair):
+        raise InvalidInput("weights: are on the host, but coords on a CUDA device; copy them there")
+    return [None if w is None else on_device("weights", w, "(N,)") for w in pair]
 
 
 def _with_gradient_there(coords: CudaInput, radii: Any, options: Options, atoms: Any, weights: Any) -> ExactUnion:
     """The same of a set on a device, where the gradient and its weights are too."""
     refuse_beside_gradient(options, atoms)
-    pair = _two(weights)
-    if any(w is not None and not is_on_device(w) for w in pair):
-        raise InvalidInput("weights: are on the host, but coords on a CUDA device; copy them there")
-    there = [None if w is None else on_device("weights", w, "(N,)") for w in pair]
-    found = measure_gradient_there(coords, radii, there, replace(options, per_atom=True))
+    found = measure_gradient_there(
+        coords.as_frames(), radii, weights_there(weights), replace(options, per_atom=True)
+    )
     _refuse(found.invalid, 0, False)
     return ExactUnion(**found.frames[0])
-
-
-def pulled_back(
-    coords: NDArray[Any], radii: NDArray[Any], weights: tuple[Any, Any], **options: Any
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Derivatives of the weighted areas plus the weighted volumes by coordinates and by radii."""
-    gradient = exact(coords, radii, gradient=True, weights=weights, **options).gradient
-    assert gradient is not None
-    return gradient.area_coords + gradient.volume_coords, gradient.area_radii + gradient.volume_radii
 
 
 def _as_frames(centers: NDArray[Any] | CudaInput) -> NDArray[Any] | CudaInput:

@@ -11,9 +11,17 @@ import numpy as np
 from vdwmesh import _core, _sinks
 from vdwmesh._arrays import Brief, chosen
 from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
-from vdwmesh._exact import ExactUnion, UnionGradient, refuse_beside_gradient, refuse_weights, weight_pair, with_gradient
+from vdwmesh._exact import (
+    ExactUnion,
+    UnionGradient,
+    refuse_beside_gradient,
+    refuse_weights,
+    weight_pair,
+    weights_there,
+    with_gradient,
+)
 from vdwmesh._excluded import ExcludedGradient, ExcludedMeasures, measure_excluded
-from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
+from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure, measure_gradient_there
 from vdwmesh._mesh import Mesh, mesh
 from vdwmesh._sources import Atoms, radii_anywhere, radii_for
 from vdwmesh._trajectories import Chunk, Trajectory, Window, trajectory_of
@@ -44,7 +52,7 @@ class FrameResult(Brief):
         Measures of the atoms in the memory of the device, if the frames were there; None unless asked
         for.
     gradient : UnionGradient, or ExcludedGradient of the excluded surface, or None
-        None unless asked for.
+        None unless asked for. Of frames on a device `cuda` has it there.
     """
 
     frame: int
@@ -114,7 +122,8 @@ def frames(
     device : {"auto", "cpu", "cuda"}
         As for `exact`; "auto" counts the atoms of all frames.
     gradient, weights
-        As for `exact`: frames on the host, one after another; the weights are those of all frames.
+        As for `exact`: the weights are those of all frames. Frames on a device are differentiated
+        there, a chunk at once, those on the host one after another.
 
     Yields
     ------
@@ -146,7 +155,9 @@ def frames(
     if _core.is_excluded(surface):
         if atoms is not None or topology not in (False, "off"):
             raise InvalidInput("surface: atoms and topology of frames are not of the excluded surface")
-        given = _on_host("surface: the excluded surface", traj, select, window)
+        given = trajectory_of(traj, select, window)
+        if is_on_device(given.atoms.coords):
+            raise InvalidInput("surface: the excluded surface of frames is measured on the host; copy them there")
         sizes = radii_of_frames(radii, given)
         return _one_by_one(
             given,
@@ -154,14 +165,15 @@ def frames(
             bool(per_atom),
         )
     options = Options.of(probe, topology, threads, device, surface=surface, per_atom=bool(per_atom))
-    if gradient:
-        refuse_beside_gradient(options, atoms)
-        given = _on_host("gradient: that", traj, select, window)
-        sizes = radii_of_frames(radii, given)
-        pair = weight_pair(weights, given.count)
-        return _one_by_one(given, lambda centers: with_gradient(centers, sizes, options, pair), bool(per_atom))
     given = trajectory_of(traj, select, window)
     sizes = radii_of_frames(radii, given)
+    if gradient:
+        there = is_on_device(given.atoms.coords)
+        refuse_beside_gradient(replace(options, device="auto") if there else options, atoms)
+        if there:
+            return _measured(given, sizes, replace(options, unit=given.atoms.unit), size, weights_there(weights))
+        pair = weight_pair(weights, given.count)
+        return _one_by_one(given, lambda centers: with_gradient(centers, sizes, options, pair), bool(per_atom))
     options = replace(
         options,
         atoms=chosen("atoms", atoms, given.count),
@@ -169,13 +181,6 @@ def frames(
         balls=given.count * (_MANY_FRAMES if given.length is None else given.length),
     )
     return _measured(given, sizes, options, size)
-
-
-def _on_host(what: str, traj: Any, select: Any, window: Window) -> Trajectory:
-    given = trajectory_of(traj, select, window)
-    if is_on_device(given.atoms.coords):
-        raise InvalidInput(f"{what} of frames is measured on the host; copy them there")
-    return given
 
 
 def chunk_size(chunk: Any) -> int:
@@ -201,10 +206,18 @@ def radii_of_frames(radii: Any, given: Trajectory) -> NDArray[Any] | CudaInput:
 
 
 def _measured(
-    given: Trajectory, radii: NDArray[Any] | CudaInput, options: Options, chunk: int
+    given: Trajectory,
+    radii: NDArray[Any] | CudaInput,
+    options: Options,
+    chunk: int,
+    weights: list[CudaInput | None] | None = None,
 ) -> Iterator[FrameResult]:
+    """With weights, of frames on a device, their gradients too."""
     for part in given.chunks(chunk):
-        found = measure(part.coords, radii, options)
+        if weights is None:
+            found = measure(part.coords, radii, options)
+        else:
+            found = measure_gradient_there(part.coords, radii, weights, options)
         for number, time, one in zip(part.numbers, part.times, found.frames):
             yield FrameResult(
                 number,

@@ -10,6 +10,8 @@ from vdwmesh._arrays import Brief, given_number, thread_count, view
 from vdwmesh._cuda import CudaArray, CudaAtoms, CudaGradient, CudaInput, packed
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from vdwmesh._types import Floats, Ids, NDArray
 
 
@@ -166,27 +168,32 @@ def measure(
     return _measured(*_core.measure(frames, radii, **vars(options)))
 
 
-def measure_gradient_there(coords: CudaInput, radii: Any, weights: list[Any], options: Options) -> Measured:
-    """The measures of one set (N, 3) on a device, with the gradient in ``cuda`` of the one frame."""
-    frame = coords.as_frames()
-    given = [None if w is None else packed(w) for w in weights]
-    *found, slopes = _core.gradient_on_device(frame.packed, packed(radii), *given, **vars(options))
+def measure_gradient_there(frames: CudaInput, radii: Any, weights: list[Any], options: Options) -> Measured:
+    """The measures of each frame (T, N, 3) on a device, with the gradient in its ``cuda``."""
+    given = [None if w is None else w.packed for w in weights]
+    *found, slopes = _core.gradient_on_device(frames.packed, packed(radii), *given, **vars(options))
     measured = _measured(*found)
-    if slopes is not None:
-        a, ar, v, vr, kinks = slopes
-        gradient = CudaGradient(CudaArray(a), CudaArray(ar), CudaArray(v), CudaArray(vr), kinks)
-        measured.frames[0]["cuda"] = replace(measured.frames[0]["cuda"], gradient=gradient)
+    for k, one in enumerate(measured.frames):
+        *columns, kinks = slopes
+        own = gradient_there([column.row(k) for column in columns], kinks[k])
+        one["cuda"] = replace(one["cuda"], gradient=own)
     return measured
 
 
-def _atoms(areas: Any, volumes: Any) -> CudaAtoms:
-    return CudaAtoms(CudaArray(areas), CudaArray(volumes))
+def gradient_there(columns: Sequence[Any], kinks: int) -> CudaGradient:
+    """Columns of derivatives that the C++ side left on a device."""
+    return CudaGradient(*map(CudaArray, columns), kink_atoms=kinks)
+
+
+def atoms_there(areas: Any, volumes: Any, gradient: CudaGradient | None = None) -> CudaAtoms:
+    """Columns of measures that the C++ side left on a device."""
+    return CudaAtoms(CudaArray(areas), CudaArray(volumes), gradient)
 
 
 def _measured(found: list[dict[str, Any]], groups: list[Any], invalid: Any, columns: Any = None) -> Measured:
     """What the C++ side found, with the classes that users see."""
     for k, one in enumerate(found):
-        one["cuda"] = columns and _atoms(*(column.row(k) for column in columns))
+        one["cuda"] = columns and atoms_there(*(column.row(k) for column in columns))
         as_arrays(one)
         if one["counts"] is not None:
             one["counts"] = Counts(**one["counts"])
@@ -199,5 +206,5 @@ def _measured(found: list[dict[str, Any]], groups: list[Any], invalid: Any, colu
         found,
         [view(sums) for sums in groups],
         None if invalid is None else InvalidFrame(*invalid),
-        columns and _atoms(*columns),
+        columns and atoms_there(*columns),
     )

@@ -357,31 +357,9 @@ def mesh_many(
     cores = thread_count(threads)
     if not given:
         return []
-    sets = zip(given, _radii_of_each(radii, len(given)))
-    arrays = [_atoms_of(i, one, own) for i, (one, own) in enumerate(sets)]
-    offsets = np.cumsum([0, *(len(sizes) for _, sizes in arrays)]).tolist()
-    centers, sizes = (np.concatenate([pair[k] for pair in arrays]) for k in (0, 1))
-    made = _core.mesh_many(centers, sizes, offsets, cores, **options)
+    centers, sizes, offsets = joined("molecules", given, radii)
+    made = _core.mesh_many(centers, sizes, offsets.tolist(), cores, **options)
     return [Mesh._of(one) for one in made]
-
-
-def _radii_of_each(radii: Any, count: int) -> list[Any]:
-    if radii is None or isinstance(radii, (str, os.PathLike)):
-        return [radii] * count
-    found = list(radii)
-    if len(found) != count:
-        raise InvalidInput(f"radii: has those of {len(found)} molecules, but there are {count}")
-    return found
-
-
-def _atoms_of(i: int, molecule: Any, radii: Any) -> tuple[NDArray[Any], NDArray[Any]]:
-    try:
-        centers, sizes, _ = arrays_of(molecule, radii)
-    except InvalidInput as error:
-        raise InvalidInput(f"molecules[{i}]: {error}") from None
-    if len(centers) != len(sizes):
-        raise InvalidInput(f"molecules[{i}]: has {len(centers)} atoms and {len(sizes)} radii")
-    return centers.astype(np.float64), sizes.astype(np.float64)
 
 
 def _edge_lengths(value: Any, atoms: int) -> dict[str, Any]:

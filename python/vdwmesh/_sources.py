@@ -133,6 +133,30 @@ def radii_anywhere(radii: Any, atoms: Atoms) -> NDArray[Any] | CudaInput:
     return on_device("radii", radii, "(N,)") if is_on_device(radii) else radii_for(radii, atoms)
 
 
+def joined(name: str, sets: list[Any], radii: Any) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.int64]]:
+    """The arrays of sets, one after another, and where each begins; their argument is `name`.
+
+    `radii` is the name of a set of radii for all, or an iterable of the radii of each.
+    """
+    if not sets:
+        raise InvalidInput(f"{name}: is empty")
+    one_for_all = radii is None or isinstance(radii, (str, os.PathLike))
+    each = [radii] * len(sets) if one_for_all else list(radii)
+    if len(each) != len(sets):
+        raise InvalidInput(f"radii: has those of {len(each)} molecules, but there are {len(sets)}")
+    pairs = []
+    for i, (one, own) in enumerate(zip(sets, each)):
+        try:
+            centers, sizes, _ = arrays_of(one, own)
+        except InvalidInput as error:
+            raise InvalidInput(f"{name}[{i}]: {error}") from None
+        if len(centers) != len(sizes):
+            raise InvalidInput(f"{name}[{i}]: has {len(centers)} atoms and {len(sizes)} radii")
+        pairs.append((centers.astype(np.float64), sizes.astype(np.float64)))
+    places, lengths = (np.concatenate(column) for column in zip(*pairs))
+    return places, lengths, np.cumsum([0, *(len(own) for _, own in pairs)])
+
+
 def _one_frame(centers: NDArray[Any]) -> NDArray[Any]:
     if centers.shape[1] != 3 and centers.size > 0:
         raise InvalidInput(f"coords: has shape {centers.shape}; (N, 3) is needed")

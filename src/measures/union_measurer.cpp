@@ -61,7 +61,8 @@ class CpuUnionMeasurer final : public UnionMeasurer {
     measures.per_sphere.resize(batch.size);
     measures.fallback.clear();
     result.per_sphere.resize(batch.size);
-    std::atomic<std::uint64_t> fallback_spheres{0}, kink_spheres{0};
+    result.kink_spheres.resize(batch.set_count());
+    std::atomic<std::uint64_t> fallback_spheres{0};
     for_each_union<UnionThread>(
         batch.set_count(), monitor, [&](std::size_t set, UnionThread& space, Monitor* inside) {
           const std::size_t first = batch.set_begin(set), size = batch.set_end(set) - first;
@@ -74,10 +75,9 @@ class CpuUnionMeasurer final : public UnionMeasurer {
           std::ranges::copy(found.per_sphere, measures.per_sphere.begin() + first);
           std::ranges::copy(found.gradients, result.per_sphere.begin() + first);
           fallback_spheres += found.fallback_spheres;
-          kink_spheres += found.kink_spheres;
+          result.kink_spheres[set] = found.kink_spheres;
         });
     measures.fallback_spheres = fallback_spheres;
-    result.kink_spheres = kink_spheres;
     sum_sets(measures, batch);
   }
 

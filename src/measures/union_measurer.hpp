@@ -40,7 +40,7 @@ struct BatchGradients {
   BatchMeasures measures;
   // Of Σ w A and Σ u V over the ball's set, in the order of the batch.
   std::vector<BallGradient> per_sphere;
-  std::uint64_t kink_spheres = 0;  // as in UnionGradients, of all sets together
+  std::vector<std::uint64_t> kink_spheres;  // one for each set: as in UnionGradients
 };
 
 class UnionMeasurer {

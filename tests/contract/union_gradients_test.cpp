@@ -150,9 +150,11 @@ TEST_P(UnionGradientsContract, TwoBallsInClosedForm) {
             kError);
 }
 
+using KinksOfSets = std::vector<std::uint64_t>;
+
 TEST_P(UnionGradientsContract, WhereThereIsNoDerivative) {
   const BatchGradients touching = gradients({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}}, {}, {});
-  EXPECT_EQ(touching.kink_spheres, 2u);
+  EXPECT_EQ(touching.kink_spheres, KinksOfSets{2});
   for (const BallGradient& g : touching.per_sphere) {
     EXPECT_LE(difference(g, {0, 0, 0, 8 * pi, 0, 0, 0, 4 * pi}), 1e-15);
   }
@@ -160,14 +162,14 @@ TEST_P(UnionGradientsContract, WhereThereIsNoDerivative) {
   const std::vector<Sphere> equal{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{1, 0, 0}, 1}};
   const BatchGradients of_equal = gradients(equal, w, w),
                        alone = gradients({equal[0], equal[1]}, two, two);
-  EXPECT_EQ(of_equal.kink_spheres, 1u);
+  EXPECT_EQ(of_equal.kink_spheres, KinksOfSets{1});
   EXPECT_EQ(numbers_of(of_equal.per_sphere[2]), EightNumbers{});
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(numbers_of(of_equal.per_sphere[i]), numbers_of(alone.per_sphere[i]));
   }
   const BatchGradients swallowed =
       gradients({{{0, 0, 0}, 2}, {{0.5, 0, 0}, 1}, {{0, 1, 0}, 1}, {{0, 0, 0}, 1.5}}, {}, {});
-  EXPECT_EQ(swallowed.kink_spheres, 1u);  // the third touches the first from inside
+  EXPECT_EQ(swallowed.kink_spheres, KinksOfSets{1});  // the third touches the first from inside
   for (std::size_t i = 1; i < 4; ++i) {
     EXPECT_EQ(numbers_of(swallowed.per_sphere[i]), EightNumbers{});
   }

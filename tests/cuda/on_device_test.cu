@@ -434,11 +434,13 @@ TEST_F(OnDevice, GradientsAreThoseOfTheHost) {
   for (int i = 0; i < 128; ++i) {
     const double shift = i < 64 ? 0 : 0.013 * (i % 7);
     balls.push_back({{1.0 * (i % 4) + shift, 1.0 * (i / 4 % 4), 1.0 * (i / 16 % 4)}, 0.75});
-    weights.push_back(0.25 * (i % 5) - 0.5);
+    weights.push_back(0.25 * (i % 64 % 5) - 0.5);  // alike in both frames
   }
+  balls[64].center.x = 9;  // touches its neighbour in y, and no others
+  balls[65].center = {9, 1.5, 0};
   const Rows rows{SphereSet(balls)};
   const Stream stream;
-  const DeviceArray<double> there = upload(weights.data(), weights.size(), stream.get());
+  const DeviceArray<double> there = upload(weights.data(), 64, stream.get());
   stream.wait();
   const std::vector<std::size_t> offsets{0, 64, 128};
   BatchGradients expected;
@@ -446,12 +448,49 @@ TEST_F(OnDevice, GradientsAreThoseOfTheHost) {
       ->gradients_into(expected, {.spheres = balls.data(), .size = 128, .offsets = offsets},
                        {.area = weights.data()});
   std::vector<ExactUnion> found;
-  const CudaMeasures left = gradients_on_device(found, rows.frames(2), {.area = there.data()}, {});
+  std::vector<std::uint64_t> kinks;
+  const CudaMeasures left =
+      gradients_on_device(found, kinks, rows.frames(2), {.area = there.data()}, {});
   EXPECT_GT(found.at(0).fallback_spheres, 0u);
   EXPECT_EQ(found.at(1).area, expected.measures.totals.at(1).area);
-  EXPECT_EQ(left.kink_spheres(), expected.kink_spheres);
+  EXPECT_EQ(kinks, expected.kink_spheres);
+  EXPECT_EQ(kinks, (std::vector<std::uint64_t>{0, 2}));
   expect_same_array(left.gradients(), expected.per_sphere.data(), 128, "gradients");
   expect_same_array(left.rows(), expected.measures.per_sphere.data(), 128, "measures");
+}
+
+// Sets of 1, 63 and 64 balls of one array, with and without derivatives.
+TEST_F(OnDevice, SetsAreThoseOfTheHost) {
+  const SphereSet spheres = crowd(128, 6, 1, 2, 11);
+  const Rows rows(spheres);
+  std::vector<double> weights;
+  for (int i = 0; i < 128; ++i) weights.push_back(0.5 - 0.01 * i);
+  const Stream stream;
+  const DeviceArray<double> there = upload(weights.data(), weights.size(), stream.get());
+  stream.wait();
+  const std::vector<std::size_t> offsets{0, 1, 64, 128};
+  BatchGradients expected;
+  BatchMeasures found, plain;
+  std::vector<std::uint64_t> kinks;
+  make_union_measurer(Backend::cuda)
+      ->gradients_into(expected,
+                       {.spheres = spheres.spheres().data(), .size = 128, .offsets = offsets},
+                       {.volume = weights.data()});
+  const BatchWeights device_weights{.volume = there.data()};
+  const CudaMeasures left = sets_on_device(found, kinks, rows.frames(), offsets, &device_weights);
+  const CudaMeasures measured = sets_on_device(plain, kinks, rows.frames(), offsets, nullptr);
+  ASSERT_EQ(found.totals.size(), 3u);
+  EXPECT_EQ(kinks, (std::vector<std::uint64_t>{0, 0, 0}));
+  for (std::size_t set = 0; set < 3; ++set) {
+    EXPECT_EQ(found.totals[set].area, expected.measures.totals[set].area) << set;
+    EXPECT_EQ(plain.totals[set].volume, expected.measures.totals[set].volume) << set;
+  }
+  expect_same_array(left.gradients(), expected.per_sphere.data(), 128, "gradients");
+  expect_same_array(measured.rows(), expected.measures.per_sphere.data(), 128, "measures");
+  EXPECT_EQ(measured.gradients(), nullptr);
+  EXPECT_THROW(
+      sets_on_device(plain, kinks, rows.frames(), std::vector<std::size_t>{0, 5, 5, 128}, nullptr),
+      InvalidInput);
 }
 
 // A mesh that is used after its atoms and later meshes are gone.

@@ -230,6 +230,40 @@ class DeviceTest(unittest.TestCase):
             with self.assertRaisesRegex(vdwmesh.InvalidInput, "weights"):
                 vdwmesh.exact(self.coords, self.radii, gradient=True, weights=wrong)
 
+    def test_frames_and_many_sets_with_gradients(self):
+        """Each frame, and each set, has on the device the bits that it has there alone."""
+        names = ("area_coords", "area_radii", "volume_coords", "volume_radii")
+        places = np.stack([self.molecule.coords * scale for scale in (1, 1.05, 0.9)])
+        weights = OnDevice(np.random.default_rng(6).normal(size=len(self.molecule.radii)))
+
+        def slopes(gradient):
+            return [values_of(getattr(gradient, name)) for name in names]
+
+        alone = [
+            vdwmesh.exact(OnDevice(frame), self.radii, gradient=True, weights=weights) for frame in places
+        ]
+        found = list(vdwmesh.frames(OnDevice(places), radii=self.radii, chunk=2, gradient=True, weights=weights))
+        self.assertEqual([one.area for one in found], [one.area for one in alone])
+        for one, expected in zip(found, alone):
+            self.assertIsNone(one.gradient)
+            self.assertEqual(one.cuda.gradient.kink_atoms, expected.cuda.gradient.kink_atoms)
+            for a, b in zip(slopes(one.cuda.gradient), slopes(expected.cuda.gradient)):
+                np.testing.assert_allclose(a, b, rtol=0, atol=1e-10)  # balls in doubt differ by rounding
+        atoms = len(self.molecule.radii)
+        offsets = [0, 100, 101, atoms]
+        sets = vdwmesh.exact_many(self.coords, self.radii, offsets, gradient=True, weights=weights)
+        host = vdwmesh.exact_many(self.molecule.coords, self.molecule.radii, offsets, device="cpu",
+                                  gradient=True, weights=values_of(weights))  # fmt: skip
+        self.assertIsNone(sets.gradient)
+        np.testing.assert_allclose(sets.area, host.area, rtol=1e-12)
+        np.testing.assert_array_equal(values_of(sets.cuda.atom_area), sets.atom_area)
+        for name in names:
+            there = getattr(sets.cuda.gradient, name).to_numpy()
+            np.testing.assert_allclose(there, getattr(host.gradient, name), atol=1e-9)
+        self.assertIsNone(vdwmesh.exact_many(self.coords, self.radii, offsets).cuda.gradient)
+        with self.assertRaisesRegex(vdwmesh.InvalidInput, "offsets: are needed"):
+            vdwmesh.exact_many(self.coords, self.radii)
+
     def test_torch_stays_on_the_device(self):
         if importlib.util.find_spec("torch") is None:
             self.skipTest("PyTorch is not installed")
@@ -242,7 +276,8 @@ class DeviceTest(unittest.TestCase):
         for place in ("cpu", "cuda"):
             coords = torch.tensor(self.molecule.coords, device=place, requires_grad=True)
             radii = torch.tensor(self.molecule.radii, device=place, requires_grad=True)
-            areas, volumes = vdwmesh.torch.measures(coords, radii, probe=1.4)
+            half = len(radii) // 2
+            areas, volumes = vdwmesh.torch.measures(coords, radii, probe=1.4, offsets=[0, half, len(radii)])
             self.assertEqual(areas.device.type, place)
             (torch.sin(areas).sum() + 0.1 * volumes.sum()).backward()
             self.assertEqual(coords.grad.device.type, place)

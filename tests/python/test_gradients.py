@@ -144,6 +144,30 @@ class TorchTest(unittest.TestCase):
         for function in (vdwmesh.torch.areas, vdwmesh.torch.volumes, vdwmesh.torch.measures):
             self.assertTrue(torch.autograd.gradcheck(function, (coords, radii), eps=1e-6, check_forward_ad=True))
 
+    def test_many_sets_and_frames(self):
+        """Three sets of one tensor, and five frames of the same atoms: values, backward and forward mode."""
+        import torch
+        import vdwmesh.torch
+
+        dice = np.random.default_rng(4)
+        coords = torch.tensor(dice.uniform(-2, 2, (15, 3)), requires_grad=True)
+        radii = torch.tensor(dice.uniform(0.9, 1.7, 15), requires_grad=True)
+        offsets = [0, 4, 5, 15]
+        check = {"eps": 1e-6, "check_forward_ad": True}
+        for given in (offsets, torch.tensor(offsets)):
+            of_sets = lambda x, r: vdwmesh.torch.measures(x, r, offsets=given)  # noqa: B023, E731
+            self.assertTrue(torch.autograd.gradcheck(of_sets, (coords, radii), **check))
+        for first, end in zip(offsets, offsets[1:]):
+            alone = vdwmesh.torch.areas(coords[first:end], radii[first:end])
+            self.assertTrue(torch.equal(vdwmesh.torch.areas(coords, radii, offsets=offsets)[first:end], alone))
+        frames = coords.detach().reshape(5, 3, 3).requires_grad_()
+        three = radii.detach()[:3].requires_grad_()
+        self.assertEqual(vdwmesh.torch.volumes(frames, three).shape, (5, 3))
+        self.assertTrue(torch.autograd.gradcheck(vdwmesh.torch.measures, (frames, three), **check))
+        for wrong in ({"offsets": [0, 5]}, {"offsets": [0, 0, 15]}):
+            with self.assertRaisesRegex(vdwmesh.InvalidInput, "offsets"):
+                vdwmesh.torch.areas(coords, radii, **wrong)
+
     def test_loss_of_float32(self):
         import torch
         import vdwmesh.torch
@@ -179,6 +203,16 @@ class JaxTest(unittest.TestCase):
 
         for function in (self.ours.areas, self.ours.volumes, self.ours.measures):
             check_grads(function, self.atoms, order=1, modes=["rev"], eps=1e-6)
+
+    def test_many_sets_and_frames(self):
+        from jax.test_util import check_grads
+
+        coords, radii = self.atoms
+        check_grads(lambda x, r: self.ours.measures(x, r, offsets=(0, 3, 8)), self.atoms, order=1, modes=["rev"], eps=1e-6)
+        alone = self.ours.areas(coords[3:], radii[3:])
+        np.testing.assert_array_equal(self.ours.areas(coords, radii, offsets=[0, 3, 8])[3:], alone)
+        frames = np.stack([coords, 0.9 * coords])
+        check_grads(self.ours.measures, (frames, radii), order=1, modes=["rev"], eps=1e-6)
 
     def test_jit_and_vmap_change_nothing(self):
         jax = self.jax
