@@ -14,6 +14,7 @@
 #include "complex/dual_complex.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
+#include "pockets/rooms/close_room.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
 
@@ -239,6 +240,30 @@ TEST(PocketMeshes, PocketsOfRandomBallsAreClosed) {
     }
   }
   EXPECT_GT(meshed, 40u);
+}
+
+// Two tetrahedra on both sides of an edge that they share: the room is within each of them, so the
+// edge is there twice.
+TEST(PocketMeshes, RoomsThatTouchInAnEdgeAreParted) {
+  const SphereSet spheres(std::vector<Sphere>{{{0, 0, 0}, 1}});
+  WallMesh walls(spheres, IndexedMesh{});
+  for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{0, 0, 1}, Vec3d{1, 1, 0.5}, Vec3d{1, -1, 0.5},
+                         Vec3d{-1, 1, 0.5}, Vec3d{-1, -1, 0.5}})
+    walls.add_vertex(p, on_sphere(0));
+  std::vector<RoomTriangle> triangles;
+  for (const auto& [a, b, c, d] : {std::array{0u, 1u, 2u, 3u}, std::array{0u, 1u, 5u, 4u}}) {
+    for (const Triangle& t :
+         {Triangle{a, b, c}, Triangle{a, d, b}, Triangle{a, c, d}, Triangle{b, d, c}})
+      triangles.push_back({t, 0, 0});
+  }
+  const auto room = close_room(walls, triangles);
+  ASSERT_TRUE(room.has_value());
+  const RoomFigures f = figures_of(*room);
+  EXPECT_NEAR(f.volume, 2.0 / 3, 1e-12);
+  EXPECT_EQ(f.shells, 2u);
+  EXPECT_EQ(f.euler, 4);
+  triangles.pop_back();
+  EXPECT_FALSE(close_room(walls, triangles).has_value());
 }
 
 TEST(PocketMeshes, RefusesEdgesWithoutLength) {
