@@ -44,7 +44,7 @@ RoomFigures figures_of(const PocketMesh& room) {
   RoomFigures out;
   const IndexedMesh& mesh = room.mesh;
   DisjointSets sets(mesh.vertex_count());
-  const Vec3d origin = mesh.positions[0];
+  const Vec3d origin = mesh.positions.empty() ? Vec3d{} : mesh.positions[0];
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const auto& [i, j, k] = mesh.triangles[t];
     const Vec3d a = mesh.positions[i] - origin, b = mesh.positions[j] - origin,
