@@ -77,11 +77,13 @@ struct PocketQuery {
   std::optional<std::array<double, 2>> scan;  // Å: the smallest and the largest probe
   std::optional<double> shell;                // Å: the larger of two probes
   std::string from;                           // an atom, a place or a pocket
+  std::optional<double> edge_length;          // Å: of the pockets' meshes
 };
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
   std::string json, per_atom, voids, csv, spheres, gradient, depth, atoms, residues;
+  std::string pocket_meshes;
   AtomGroup group = AtomGroup::atom;
   AtomFigure b_factor = AtomFigure::area;  // of `atoms`
   InterfaceFigure interface_figure = InterfaceFigure::buried;

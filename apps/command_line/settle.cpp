@@ -180,6 +180,19 @@ void settle_interface(Draft& d) {
            d.read.groups.front());
 }
 
+// `question`: the option that asks for something else than pockets, or empty.
+void settle_pocket_meshes(const Draft& d, const std::string& question) {
+  const std::string& path = d.options.output.pocket_meshes;
+  refuse_if(d.verb == kPockets && path.empty() && is_given(d, "--edge-length"),
+            "--edge-length: is of the pockets' meshes; add --mesh FILE.glb");
+  if (path.empty()) return;
+  const std::string beside = question.empty() && is_given(d, "--sums") ? "--sums" : question;
+  refuse_if(!beside.empty(), "--mesh: is of exact pockets; leave out {}", beside);
+  const auto format = find_mesh_format(path);
+  refuse_if(!format || !holds_several_meshes(*format),
+            "--mesh {}: several meshes with names go into .glb, .obj or .3mf", path);
+}
+
 // -o names a table, unless its extension is one of spheres or of plots.
 void settle_pockets(Draft& d) {
   OutputOptions& o = d.options.output;
@@ -193,6 +206,7 @@ void settle_pockets(Draft& d) {
             "-o {}: a shell has no spheres; leave out --shell", o.spheres);
   refuse_if(of_spheres && is_given(d, "--sums"),
             "-o {}: spheres are those of exact pockets; leave out --sums", o.spheres);
+  settle_pocket_meshes(d, question);
   if (of_spheres || of_plot) return;
   const std::string extension = lower_case(std::filesystem::path(o.spheres).extension().string());
   refuse_if(

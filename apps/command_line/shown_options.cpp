@@ -23,7 +23,8 @@ constexpr std::string_view kUnseen[] = {
     "--shading",      "--antialias",     "--rows",       "--time-limit",   "--page-triangles",
     "--edge-lengths", "--relative-edge", "--padding",    "--progress",     "--project",
     "--scan",         "--shell",         "--from",       "--sums",         "--method",
-    "--write",        "--b-factor",      "--rsa",        "--max-distance", "--ascii"};
+    "--write",        "--b-factor",      "--rsa",        "--max-distance", "--ascii",
+    "--mesh"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

@@ -125,6 +125,12 @@ std::string molstar_text(const std::vector<SphereGroup>& groups) {
 
 }  // namespace
 
+std::array<std::uint8_t, 3> group_color(std::uint64_t number) {
+  const auto& [red, green, blue] = kColors[(number - 1) % kColors.size()];
+  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(255 * x)); };
+  return {byte(red), byte(green), byte(blue)};
+}
+
 std::optional<SphereFormat> find_sphere_format(const std::filesystem::path& path) {
   const std::string extension = lower_case(path.extension().string());
   if (extension == ".pdb") return SphereFormat::pdb;

@@ -1,6 +1,7 @@
 // Groups of spheres, such as pockets and voids, as files for molecular viewers.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -25,6 +26,9 @@ struct SphereGroup {
   std::string figure;    // of the whole, with its unit
   std::vector<Sphere> spheres;
 };
+
+// The colour of the group of this number, from 1, in sRGB.
+std::array<std::uint8_t, 3> group_color(std::uint64_t number);
 
 // `all` is what the groups are called together ("pockets").
 //   PDB: as fpocket, HETATM records with the residue name STP, the group's number as residue number

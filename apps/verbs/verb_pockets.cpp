@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "batch/molecule_spheres.hpp"
 #include "command_line/command_line.hpp"
 #include "command_line/parse.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "memory_plan.hpp"
+#include "mesh/mesh_io.hpp"
+#include "pockets/pocket_meshes.hpp"
 #include "report/atom_names.hpp"
 #include "report/output.hpp"
+#include "report/pockets/pocket_parts.hpp"
 #include "report/pockets/pocket_spheres.hpp"
 #include "report/pockets/scan_plot.hpp"
 #include "request/refuse.hpp"
@@ -23,6 +27,22 @@
 namespace vdwmesh::apps {
 namespace {
 
+void mesh_pockets(const Options& options, const PocketTable& table, const SphereSet& spheres,
+                  VerbSession& session) {
+  PocketMeshOptions of_meshes{.monitor = session.monitor,
+                              .memory_limit = options.machine.memory_limit};
+  of_meshes.edge_length = options.pocket_query.edge_length.value_or(of_meshes.edge_length);
+  auto meshes = pocket_meshes(spheres, table.pockets, of_meshes);
+  for (std::size_t p = 0; p < meshes.size(); ++p) {
+    session.report.warn_if(meshes[p].mesh.triangles.empty(),
+                           "pocket {}: its mesh does not close at these edges and was left out; "
+                           "try a shorter --edge-length",
+                           p + 1);
+  }
+  const auto warnings = write_meshes(named_meshes(std::move(meshes)), options.output.pocket_meshes);
+  for (const std::string& w : warnings) session.report.warn_if(true, "{}", w);
+}
+
 std::string run_table(const Options& options, const Molecule& molecule, const SphereSet& spheres,
                       VerbSession& session) {
   const PocketTable table = pockets(spheres, {.measures = options.pocket_measures,
@@ -31,6 +51,7 @@ std::string run_table(const Options& options, const Molecule& molecule, const Sp
   session.report.pockets =
       pocket_report(table, molecule, options.inputs.front().probe, options.pocket_measures);
   session.report.warn_if(table.face_ties > 0, kPocketTies, table.face_ties);
+  if (!options.output.pocket_meshes.empty()) mesh_pockets(options, table, spheres, session);
   return pocket_csv(*session.report.pockets);
 }
 

@@ -113,6 +113,21 @@ std::vector<std::string> write(const formats::MeshView& view, const fs::path& pa
   return warnings;
 }
 
+formats::Warnings write(std::span<const NamedMesh> meshes, MeshFormat format, ByteSink& sink) {
+  for (const NamedMesh& m : meshes) check_writable({.mesh = m.mesh});
+  formats::Warnings warnings;
+  if (format == MeshFormat::glb) {
+    formats::write_glb(meshes, sink, warnings);
+  } else if (format == MeshFormat::obj) {
+    formats::write_obj(meshes, sink);
+  } else if (format == MeshFormat::three_mf) {
+    formats::write_3mf(meshes, sink);
+  } else {
+    throw InvalidInput("a file of several meshes is .glb, .obj or .3mf");
+  }
+  return warnings;
+}
+
 // Calls use(view) with a view of a half-edge mesh, which has a colour for each vertex.
 template <class Use>
 auto with_view(const SurfaceMesh& mesh, const Use& use) {
@@ -221,6 +236,20 @@ std::vector<std::string> write_mesh(const PatchedMesh& mesh, const fs::path& pat
       path, monitor);
 }
 
+bool holds_several_meshes(MeshFormat format) {
+  return format == MeshFormat::glb || format == MeshFormat::obj || format == MeshFormat::three_mf;
+}
+
+std::vector<std::string> write_meshes(std::span<const NamedMesh> meshes, const fs::path& path,
+                                      const Monitor* monitor) {
+  const MeshFormat format = mesh_format(path);
+  OutputFile file(path);
+  file.watch(monitor);
+  std::vector<std::string> warnings = write(meshes, format, file);
+  file.commit();
+  return warnings;
+}
+
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& path,
                                     const Monitor* monitor) {
   return with_view(mesh, [&](const auto& view) { return write(view, path, monitor); });
@@ -229,6 +258,12 @@ std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& pat
 EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format, MeshEncoding encoding) {
   StringSink sink;
   formats::Warnings warnings = write({.mesh = mesh, .encoding = encoding}, format, sink);
+  return {std::move(sink).take(), std::move(warnings)};
+}
+
+EncodedMesh encode_meshes(std::span<const NamedMesh> meshes, MeshFormat format) {
+  StringSink sink;
+  formats::Warnings warnings = write(meshes, format, sink);
   return {std::move(sink).take(), std::move(warnings)};
 }
 

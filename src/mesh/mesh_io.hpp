@@ -3,6 +3,7 @@
 // written appears whole or not at all: it is renamed to its name when it is complete.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -55,6 +56,30 @@ std::vector<std::string> write_mesh(const PatchedMesh& mesh, const std::filesyst
                                     std::span<const RgbColor> sphere_colors = {},
                                     const Monitor* monitor = nullptr,
                                     MeshEncoding encoding = MeshEncoding::binary);
+// One of several meshes of a file, such as a pocket, whose triangles belong to parts with names.
+struct NamedMesh {
+  std::string name;
+  IndexedMesh mesh;
+  std::vector<std::uint32_t> parts;  // by triangle: an index into the following
+  // Part 0 is called as the mesh in GLB, where the others hang on it.
+  std::vector<std::string> part_names;
+  std::vector<std::array<std::uint8_t, 4>> part_colors;  // sRGB, and how opaque
+};
+
+// The kinds of files that can hold several meshes: GLB, OBJ, 3MF.
+bool holds_several_meshes(MeshFormat format);
+
+// Writes the meshes as one file, with their names.
+//   GLB: a node for each part of each mesh, with a material; flat shades where parts meet, so each
+//        part has its own vertices, which are at the same places on both sides.
+//   OBJ: an object for each mesh and a group for each part, with underscores for blanks; vertices
+//        are shared.
+//   3MF: an object for each mesh.
+// Returns warnings and throws as write_mesh() does, and InvalidInput for other formats.
+std::vector<std::string> write_meshes(std::span<const NamedMesh> meshes,
+                                      const std::filesystem::path& path,
+                                      const Monitor* monitor = nullptr);
+
 // With the normals and colours that the vertices have. Throws InvalidInput if an element is
 // deleted.
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path,
@@ -82,6 +107,7 @@ struct EncodedMesh {
 EncodedMesh encode_mesh(const IndexedMesh& mesh, MeshFormat format,
                         MeshEncoding encoding = MeshEncoding::binary);
 EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format);
+EncodedMesh encode_meshes(std::span<const NamedMesh> meshes, MeshFormat format);
 MeshFile decode_mesh(std::string_view bytes, MeshFormat format,
                      std::uint64_t memory_limit = kNoMemoryLimit);
 

@@ -43,6 +43,7 @@ struct PocketParts {
   std::vector<std::uint32_t> balls;  // of the complex, some repeatedly
   std::vector<MouthFace> mouth_faces;
   std::vector<Sphere> alpha_spheres;
+  std::vector<std::array<SphereId, 4>> cells;
   std::uint64_t tetrahedra = 0, poked_faces = 0;
   std::vector<std::uint32_t> sinks;  // cells
   std::uint32_t deepest = kNoIndex;  // cell
@@ -103,7 +104,11 @@ class PocketMeasurer {
   void add_cell(std::uint32_t c, const CellMeasures& m) {
     PocketParts& parts = parts_[flow_.pocket[c]];
     ++parts.tetrahedra;
-    if (options_.measures == PocketMeasures::exact) parts.alpha_spheres.push_back(alpha_sphere(c));
+    if (options_.measures == PocketMeasures::exact) {
+      const auto& v = t_.cells[c];
+      parts.alpha_spheres.push_back(alpha_sphere(c));
+      parts.cells.push_back({t_.ids[v[0]], t_.ids[v[1]], t_.ids[v[2]], t_.ids[v[3]]});
+    }
     parts.volume.add(m.exact.volume), parts.area.add(m.exact.area);
     parts.volume_sum.add(m.sums.volume), parts.area_sum.add(m.sums.area);
     for (const auto& [b, area] : m.exact.ball_area) parts.ball_area[b].add(area);
@@ -158,6 +163,7 @@ class PocketMeasurer {
                                               : PocketKind::channel;
     pocket.lining = lining_of(parts);
     pocket.alpha_spheres = std::move(parts.alpha_spheres);
+    pocket.cells = std::move(parts.cells);
     for (auto b = parts.balls.begin(); b != last; ++b) pocket.corners.push_back(t_.ids[*b]);
     std::ranges::sort(pocket.corners);
     pocket.spheres = pocket.corners.size();
@@ -245,6 +251,7 @@ class PocketMeasurer {
     WideSum area, rim, area_sum, rim_sum;
     double weight = 0;
     Vec3d center{};
+    std::vector<std::array<SphereId, 3>> triangles;
     for (const MouthFace& face : faces) {
       area.add(face.area), rim.add(face.rim);
       area_sum.add(face.area_sum), rim_sum.add(face.rim_sum);
@@ -253,13 +260,17 @@ class PocketMeasurer {
       const double triangle = norm(cross(b - a, c - a));
       center = center + triangle / 3 * (a + b + c);
       weight += triangle;
+      // From inside the cell they are counter-clockwise.
+      if (options_.measures == PocketMeasures::exact)
+        triangles.push_back({t_.ids[v[0]], t_.ids[v[2]], t_.ids[v[1]]});
     }
     return {.area = unscaled(area.value(), 2),
             .rim = unscaled(rim.value(), 1),
             .area_sum = unscaled(area_sum.value(), 2),
             .rim_sum = unscaled(rim_sum.value(), 1),
             .center = unscaled(1 / weight * center),
-            .faces = faces.size()};
+            .faces = faces.size(),
+            .triangles = std::move(triangles)};
   }
 
   // Pockets of one volume stand by the places of their sinks, which do not depend on ids.

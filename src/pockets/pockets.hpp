@@ -14,6 +14,7 @@
 // counted. For the probe of radius p, all balls are grown by p.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -41,6 +42,8 @@ struct Mouth {
   double area_sum, rim_sum;  // the same by CASTp's sums
   Vec3d center;              // Å: centroid of the triangles
   std::uint64_t faces;       // triangles
+  // Their spheres, counter-clockwise seen from outside the pocket; with PocketMeasures::exact.
+  std::vector<std::array<SphereId, 3>> triangles;
 };
 
 // A sphere with area in a pocket, Å².
@@ -63,8 +66,10 @@ struct Pocket {
   // For each tetrahedron its orthogonal centre, and the distance from there to the nearest of its
   // spheres; as fpocket's alpha spheres, for pictures. With PocketMeasures::exact.
   std::vector<Sphere> alpha_spheres;
-  std::uint64_t tetrahedra, sinks;  // a sink has no flow out of it
-  std::uint64_t poked_faces;        // faces of mouths through which flow comes in
+  std::vector<std::array<SphereId, 4>> cells;  // tetrahedra by their spheres, positively oriented;
+                                               // with PocketMeasures::exact
+  std::uint64_t tetrahedra, sinks;             // a sink has no flow out of it
+  std::uint64_t poked_faces;                   // faces of mouths through which flow comes in
   // The sink of greatest size, the centre (Å) and the size (Å²) of its orthogonal sphere.
   Vec3d depth_center;
   double depth_alpha;

@@ -38,6 +38,46 @@ class Pockets(ProgramTest):
                     value = float(other[name])
                     self.assert_near(float(row[name]), value, TWELVE_DIGITS * max(1, abs(value)))
 
+    def test_meshes_have_an_object_for_each_pocket_and_a_group_for_each_mouth(self):
+        path = self.folder / "rooms.obj"
+        report = self.report("pockets", UBIQUITIN, "--mesh", path, "--edge-length", "0.2")
+        objects, places = collections.defaultdict(list), []
+        for line in path.read_text().splitlines():
+            word, *rest = line.split()
+            if word == "v":
+                places.append(tuple(map(float, rest)))
+            elif word == "o":
+                name = rest[0]
+            elif word == "g":
+                group = rest[0]
+            elif word == "f":
+                objects[name].append((group, [int(index) - 1 for index in rest]))
+        pockets = report["pockets"]["pockets"]
+        self.assertEqual(list(objects), [f"pocket_{p['rank']}" for p in pockets])
+        for pocket, (name, faces) in zip(pockets, objects.items(), strict=True):
+            mouths = {f"{name}_mouth_{k + 1}" for k in range(pocket["mouths"])}
+            self.assertEqual({group for group, _ in faces}, {f"{name}_wall"} | mouths)
+            halves = [pair for _, (a, b, c) in faces for pair in ((a, b), (b, c), (c, a))]
+            self.assertEqual(len(halves), len(set(halves)))
+            self.assertEqual(set(halves), {(b, a) for a, b in halves})
+            volume = math.fsum(
+                x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0])
+                for x, y, z in ([places[v] for v in face] for _, face in faces)) / 6  # fmt: skip
+            # Chords of 0.2 Å on balls of 2.5 Å or more.
+            self.assert_near(volume, pocket["volume"], 0.2**2 / 8 / 2.5 * pocket["area"])
+
+    def test_meshes_as_glb_have_nodes_with_names(self):
+        path = self.folder / "rooms.glb"
+        self.run_ok("pockets", UBIQUITIN, "--mesh", path, "--quiet")
+        data = path.read_bytes()
+        document = parse_json(data[20 : 20 + int.from_bytes(data[12:16], "little")].decode())
+        rows = self.table(UBIQUITIN)
+        nodes = [document["nodes"][i] for i in document["scenes"][0]["nodes"]]
+        self.assertEqual([n["name"] for n in nodes], [f"pocket {row['rank']}" for row in rows])
+        for node, row in zip(nodes, rows, strict=True):
+            below = [document["nodes"][i]["name"] for i in node.get("children", [])]
+            self.assertEqual(below, [f"{node['name']} mouth {k + 1}" for k in range(int(row["mouths"]))])
+
     def assert_near(self, value, expected, error):
         self.assertTrue(abs(value - expected) <= error, f"{value} is not {expected}")
 

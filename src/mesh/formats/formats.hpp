@@ -52,6 +52,10 @@ void write_vtp(const MeshView& view, ByteSink& sink);
 void write_vtu(const MeshView& view, ByteSink& sink);
 void write_3mf(const MeshView& view, ByteSink& sink);
 
+void write_glb(std::span<const NamedMesh> meshes, ByteSink& sink, Warnings& warnings);
+void write_obj(std::span<const NamedMesh> meshes, ByteSink& sink);
+void write_3mf(std::span<const NamedMesh> meshes, ByteSink& sink);
+
 MeshFile read_ply(std::string_view bytes);
 MeshFile read_obj(std::string_view bytes);
 MeshFile read_off(std::string_view bytes);

@@ -17,6 +17,7 @@
 #include "mesh/formats/chunk_writer.hpp"
 #include "mesh/formats/float_loss.hpp"
 #include "mesh/formats/formats.hpp"
+#include "mesh/formats/glb_file.hpp"
 #include "spheres/box.hpp"
 
 namespace vdwmesh::formats {
@@ -24,16 +25,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Constants of the glTF 2.0 specification.
-constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;  // component types
-constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;          // targets
-constexpr int kTriangles = 4;                                             // mode
-constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2;                // "glTF"
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr std::uint32_t kHeaderSize = 12, kChunkHeaderSize = 8;
-// Bytes per vertex or triangle. All are multiples of 4, as glTF demands of offsets and chunks, so
-// the arrays need no padding between them.
-constexpr std::uint64_t kVectorSize = 12, kColorSize = 8, kTriangleSize = 12;
 // An upper bound of the JSON, with the headers. Its length depends on the mesh by few numbers only.
 constexpr std::uint64_t kMaxJsonBytes = 4096;
 
@@ -105,7 +96,7 @@ void describe_arrays(const IndexedMesh& mesh, const Box& box, Json& json) {
       {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.6}}}}};
 }
 
-// The JSON chunk. It is padded with blanks to a multiple of 4 bytes, as the format demands.
+// The JSON chunk.
 std::string json_of(const IndexedMesh& mesh, const Box& box) {
   Json json{{"asset", {{"version", "2.0"}, {"generator", "vdwmesh; lengths in angstrom"}}},
             {"scene", 0},
@@ -115,35 +106,14 @@ std::string json_of(const IndexedMesh& mesh, const Box& box) {
     describe_arrays(mesh, box, json);
     json["nodes"][0]["mesh"] = 0;
   }
-  std::string text = json.dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  return text;
+  return padded(json.dump());
 }
 
-// Writes the header of the file, the whole JSON chunk and the header of the binary chunk, whose
-// size is `binary`. A mesh without faces has no binary chunk.
-void write_header(const std::string& json, std::uint64_t binary, ChunkWriter& out) {
-  const auto json_size = static_cast<std::uint32_t>(json.size());
-  const auto binary_chunk = static_cast<std::uint32_t>(binary > 0 ? kChunkHeaderSize + binary : 0);
-  out.begin_record();
-  out.raw(kMagic);
-  out.raw(kVersion);
-  out.raw(kHeaderSize + kChunkHeaderSize + json_size + binary_chunk);
-  out.raw(json_size);
-  out.raw(kJsonChunk);
-  out.text(json);
-  if (binary == 0) return;
-  out.raw(static_cast<std::uint32_t>(binary));
-  out.raw(kBinaryChunk);
-}
-
-// The linear value of each byte of sRGB (IEC 61966-2-1), as glTF wants the colours of vertices. In
-// 16 bits no two bytes become equal.
+// linear_light() of each byte in 16 bits, in which no two bytes become equal.
 std::array<std::uint16_t, 256> linear_colors() {
   std::array<std::uint16_t, 256> linear;
   for (std::size_t byte = 0; byte < linear.size(); ++byte) {
-    const double s = static_cast<double>(byte) / 255;
-    const double value = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    const double value = linear_light(static_cast<std::uint8_t>(byte));
     linear[byte] = static_cast<std::uint16_t>(std::lround(65535 * value));
   }
   return linear;

@@ -35,9 +35,9 @@ constexpr std::string_view kModelBegin =
     "<model unit=\"millimeter\" xml:lang=\"en-US\" "
     "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
     "<metadata name=\"Application\">vdwmesh</metadata>\n"
-    "<resources><object id=\"1\" type=\"model\"><mesh><vertices>\n";
-constexpr std::string_view kModelEnd =
-    "</triangles></mesh></object></resources>\n<build><item objectid=\"1\"/></build>\n</model>\n";
+    "<resources>";
+constexpr std::string_view kObjectEnd = "</triangles></mesh></object>";
+constexpr std::string_view kModelEnd = "</build>\n</model>\n";
 
 // An element whose attributes are numbers.
 template <class Numbers>
@@ -57,13 +57,13 @@ void write_element(RecordBytes& out, std::string_view name,
 
 constexpr std::size_t kMostPerElement = 32 + 3 * (6 + RecordBytes::kMostPerNumber);
 
-std::string model_text(const IndexedMesh& mesh) {
-  StringSink sink;
-  // An estimate: three doubles of about 18 characters per vertex, three 7-digit numbers per
-  // triangle.
-  sink.expect(82 * mesh.vertex_count() + 52 * mesh.triangle_count());
+// Names have no characters that XML would have to write in another way.
+void write_object(std::size_t id, const std::string& name, const IndexedMesh& mesh,
+                  ByteSink& sink) {
   const auto write = [&sink](std::string_view text) { sink.write(text.data(), text.size()); };
-  write(kModelBegin);
+  write(fmt::format("<object id=\"{}\" type=\"model\"", id));
+  if (!name.empty()) write(fmt::format(" name=\"{}\"", name));
+  write("><mesh><vertices>\n");
   write_records(sink, mesh.vertex_count(), kMostPerElement, [&](RecordBytes& out, std::size_t v) {
     const Vec3d& p = mesh.positions[v];
     write_element(out, "<vertex", {" x=\"", " y=\"", " z=\""}, std::array{p.x, p.y, p.z});
@@ -72,6 +72,24 @@ std::string model_text(const IndexedMesh& mesh) {
   write_records(sink, mesh.triangle_count(), kMostPerElement, [&](RecordBytes& out, std::size_t t) {
     write_element(out, "<triangle", {" v1=\"", " v2=\"", " v3=\""}, mesh.triangles[t]);
   });
+  write(kObjectEnd);
+}
+
+// An estimate: three doubles of about 18 characters per vertex, three 7-digit numbers per triangle.
+std::size_t text_size(const IndexedMesh& mesh) {
+  return 82 * mesh.vertex_count() + 52 * mesh.triangle_count();
+}
+
+// `write_all` writes `count` objects, which have the numbers from 1 on.
+template <class WriteAll>
+std::string model_text(std::size_t bytes, std::size_t count, const WriteAll& write_all) {
+  StringSink sink;
+  sink.expect(bytes);
+  const auto write = [&sink](std::string_view text) { sink.write(text.data(), text.size()); };
+  write(kModelBegin);
+  write_all(sink);
+  write("</resources>\n<build>");
+  for (std::size_t id = 1; id <= count; ++id) write(fmt::format("<item objectid=\"{}\"/>", id));
   write(kModelEnd);
   return std::move(sink).take();
 }
@@ -152,14 +170,31 @@ class ZipWriter {
   std::uint32_t members_ = 0;
 };
 
-}  // namespace
-
-void write_3mf(const MeshView& view, ByteSink& sink) {
+void write_archive(const std::string& model, ByteSink& sink) {
   ZipWriter zip(sink);
   zip.add("[Content_Types].xml", kTypes);
   zip.add("_rels/.rels", kRelations);
-  zip.add("3D/3dmodel.model", model_text(view.mesh));
+  zip.add("3D/3dmodel.model", model);
   zip.end();
+}
+
+}  // namespace
+
+void write_3mf(const MeshView& view, ByteSink& sink) {
+  write_archive(model_text(text_size(view.mesh), 1,
+                           [&](ByteSink& out) { write_object(1, "", view.mesh, out); }),
+                sink);
+}
+
+void write_3mf(std::span<const NamedMesh> meshes, ByteSink& sink) {
+  std::size_t bytes = 0;
+  for (const NamedMesh& m : meshes) bytes += text_size(m.mesh);
+  write_archive(model_text(bytes, meshes.size(),
+                           [&](ByteSink& out) {
+                             for (std::size_t i = 0; i < meshes.size(); ++i)
+                               write_object(i + 1, meshes[i].name, meshes[i].mesh, out);
+                           }),
+                sink);
 }
 
 }  // namespace vdwmesh::formats

@@ -60,6 +60,53 @@ TEST(MeshIo, TextOfPlyIsReadBackTheSame) {
   EXPECT_EQ(read.mesh.triangle_spheres, binary.mesh.triangle_spheres);
 }
 
+// A cube with a lid, and one without parts but the first.
+std::vector<NamedMesh> two_cubes() {
+  NamedMesh lidded{.name = "cube 1",
+                   .mesh = testing::cube(),
+                   .parts = {},
+                   .part_names = {"cube 1 wall", "cube 1 lid"},
+                   .part_colors = {{255, 0, 0, 128}, {0, 255, 0, 255}}};
+  lidded.parts.assign(lidded.mesh.triangle_count(), 0);
+  lidded.parts[0] = lidded.parts[1] = 1;
+  NamedMesh plain = lidded;
+  plain.name = "cube 2", plain.part_names = {"cube 2 wall", "cube 2 lid"};
+  plain.parts.assign(plain.mesh.triangle_count(), 0);
+  return {lidded, plain};
+}
+
+TEST(MeshIo, SeveralMeshesAsGlbHaveANodeForEachPart) {
+  const std::vector<NamedMesh> meshes = two_cubes();
+  const std::string bytes = encode_meshes(meshes, MeshFormat::glb).bytes;
+  std::uint32_t size = 0;
+  std::memcpy(&size, bytes.data() + 12, sizeof size);
+  const auto json = nlohmann::json::parse(bytes.substr(20, size));
+  ASSERT_EQ(json["nodes"].size(), 3u);
+  EXPECT_EQ(json["nodes"][0]["name"], "cube 1");
+  EXPECT_EQ(json["nodes"][0]["children"], nlohmann::json({1}));
+  EXPECT_EQ(json["nodes"][1]["name"], "cube 1 lid");
+  EXPECT_EQ(json["scenes"][0]["nodes"], nlohmann::json({0, 2}));
+  EXPECT_EQ(json["materials"][0]["alphaMode"], "BLEND");
+  EXPECT_FALSE(json["materials"][1].contains("alphaMode"));
+  // Read back, the parts lie where they were: each cube's area and place.
+  const IndexedMesh read = decode_mesh(bytes, MeshFormat::glb).mesh;
+  EXPECT_EQ(read.triangle_count(), 2 * meshes[0].mesh.triangle_count());
+  for (const Vec3d& p : read.positions)
+    EXPECT_THAT(meshes[0].mesh.positions, ::testing::Contains(p));
+}
+
+TEST(MeshIo, SeveralMeshesAsObjAndThreeMfKeepVerticesShared) {
+  const std::vector<NamedMesh> meshes = two_cubes();
+  const std::string obj = encode_meshes(meshes, MeshFormat::obj).bytes;
+  EXPECT_THAT(obj, HasSubstr("\no cube_1\n"));
+  EXPECT_THAT(obj, HasSubstr("\ng cube_1_lid\n"));
+  const IndexedMesh read = decode_mesh(obj, MeshFormat::obj).mesh;
+  EXPECT_EQ(read.vertex_count(), 2 * meshes[0].mesh.vertex_count());
+  EXPECT_EQ(read.triangle_count(), 2 * meshes[0].mesh.triangle_count());
+  EXPECT_THAT(encode_meshes(meshes, MeshFormat::three_mf).bytes, StartsWith("PK"));
+  EXPECT_THROW(encode_meshes(meshes, MeshFormat::ply), InvalidInput);
+}
+
 // Which keeps vertices apart that float32 lets fall together.
 TEST(MeshIo, TextOfStlHasDoubles) {
   IndexedMesh mesh = testing::cube();
