@@ -79,9 +79,10 @@ struct LoopCrossing {
 };
 
 // The arcs around one atom, and ways between them.
-class Rims {
+class SphereRims {
  public:
-  Rims(std::vector<CapArc> arcs, std::uint32_t loops) : arcs_(std::move(arcs)), joined_(loops) {
+  SphereRims(std::vector<CapArc> arcs, std::uint32_t loops)
+      : arcs_(std::move(arcs)), joined_(loops) {
     for (std::uint32_t i = 0; i < arcs_.size(); ++i) {
       if (i == 0 || arcs_[i].loop != arcs_[i - 1].loop) begin_.push_back(i);
     }
@@ -293,7 +294,7 @@ std::optional<std::vector<std::uint32_t>> ContactWalls::regions_of(
       arcs.push_back(cap_arc(large ? large_ : small_, of.elements[e], i, large));
     }
   }
-  Rims around(std::move(arcs), static_cast<std::uint32_t>(shown));
+  SphereRims around(std::move(arcs), static_cast<std::uint32_t>(shown));
   if (!around.join(regions)) return std::nullopt;
   for (std::uint32_t i = 0; i < shown; ++i) region[i] = around.root_of(i);
   return region;
