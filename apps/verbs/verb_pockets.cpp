@@ -10,7 +10,7 @@
 #include "batch/molecule_spheres.hpp"
 #include "command_line/command_line.hpp"
 #include "command_line/parse.hpp"
-#include "excluded/excluded_measures.hpp"
+#include "excluded/two_probe_shell.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "pockets/pocket_meshes.hpp"
@@ -70,18 +70,10 @@ std::string run_shell(const Options& options, const Molecule& molecule, VerbSess
   const SphereSet atoms = to_spheres(molecule, 0);
   const double small = options.inputs.front().probe, large = *options.pocket_query.shell;
   refuse_if(large <= small, "--shell {}: is the larger probe; --probe has {} Å", large, small);
-  const auto measures = [&](double probe) {
-    return excluded_measures(
-        atoms, {.probe = probe, .shells = false, .exterior = true, .monitor = session.monitor});
-  };
-  const ExcludedMeasures inner = measures(small), outer = measures(large);
-  session.report.shell = ShellReport{.set = set_name(molecule.path),
-                                     .small_probe = small,
-                                     .large_probe = large,
-                                     .complete_small = inner.complete.volume,
-                                     .exterior_small = inner.exterior->volume,
-                                     .complete_large = outer.complete.volume,
-                                     .exterior_large = outer.exterior->volume};
+  const TwoProbeShell shell = two_probe_shell(atoms, small, large, session.monitor);
+  session.report.shell = shell_report(shell, molecule);
+  session.report.warn_if(!shell.doubt.empty(), "the shell is not divided into pockets: {}",
+                         shell.doubt);
   return shell_csv(*session.report.shell);
 }
 

@@ -20,7 +20,7 @@
 #include "excluded/patches/patch_gradients.hpp"
 #include "excluded/patches/patch_records.hpp"
 #include "excluded/probes/excluded_shells.hpp"
-#include "excluded/probes/grown_atoms.hpp"
+#include "excluded/probes/kept_surface.hpp"
 #include "measures/measures.hpp"
 
 namespace vdwmesh {
@@ -162,25 +162,30 @@ class ExcludedSum {
   ExcludedSum(const SphereSet& atoms, const ExcludedOptions& options, double no_length)
       : options_(options),
         atoms_(atoms),
-        grown_(atoms, options.probe, options.monitor, no_length),
-        exponent_(grown_.exponent) {}
+        grown_(
+            std::make_unique<const GrownAtoms>(atoms, options.probe, options.monitor, no_length)) {}
 
   ExcludedMeasures run() {
     ExcludedMeasures out{options_.probe, measure(std::vector<std::uint8_t>(components(), 1)), {}};
     if (options_.per_atom) out.complete.per_atom = atoms();
     if (!options_.exterior) return out;
-    const std::vector<std::uint8_t> outer = surface_.outer_components();
-    const bool all = std::find(outer.begin(), outer.end(), 0) == outer.end();
-    out.exterior = all ? out.complete : measure(outer);
+    outer_ = surface_.outer_components();
+    const bool all = std::find(outer_.begin(), outer_.end(), 0) == outer_.end();
+    out.exterior = all ? out.complete : measure(outer_);
     out.exterior->per_atom.clear();
     return out;
   }
+
+  // The parts of the surface that was measured last. Nothing else may be asked for after it.
+  KeptSurface keep() && { return {std::move(grown_), std::move(outer_), std::move(records_)}; }
 
  private:
   std::size_t components() const { return surface_.components.size(); }
 
   ExcludedSurface measure(const std::vector<std::uint8_t>& included) {
-    const PatchRecords records(surface_, included, options_.monitor);
+    records_.reset();
+    records_ = std::make_unique<const PatchRecords>(surface_, included, options_.monitor);
+    const PatchRecords& records = *records_;
     const SurfaceSums sums(surface_, records, included, radius_);
     ExcludedSurface out = sums.result(exponent_);
     if (options_.shells) set_topology(out, records, included);
@@ -195,7 +200,7 @@ class ExcludedSum {
   std::vector<ExcludedAtom> atoms() const {
     const std::vector<std::uint8_t> all(components(), 1);
     std::vector<BallShare> shares(triangulation_.balls.size());
-    const std::vector<SphereMeasures> solid = inclusion_exclusion(triangulation_, grown_.complex);
+    const std::vector<SphereMeasures> solid = inclusion_exclusion(triangulation_, grown_->complex);
     for (std::size_t v = 0; v < shares.size(); ++v) shares[v].volume.add(solid[v].volume);
     share_contacts(shares);
     share_saddles(shares);
@@ -307,11 +312,13 @@ class ExcludedSum {
 
   const ExcludedOptions& options_;
   const SphereSet& atoms_;
-  const GrownAtoms grown_;
-  const int exponent_;
-  const AccessibleSurface& surface_ = grown_.surface;
-  const PowerTriangulation& triangulation_ = grown_.triangulation;
-  const std::vector<double>& radius_ = grown_.radius;
+  std::unique_ptr<const GrownAtoms> grown_;
+  std::unique_ptr<const PatchRecords> records_;  // made last
+  std::vector<std::uint8_t> outer_;              // components of the exterior surface
+  const int exponent_ = grown_->exponent;
+  const AccessibleSurface& surface_ = grown_->surface;
+  const PowerTriangulation& triangulation_ = grown_->triangulation;
+  const std::vector<double>& radius_ = grown_->radius;
 };
 
 bool is_certified(const ExcludedMeasures& m) {
@@ -321,11 +328,20 @@ bool is_certified(const ExcludedMeasures& m) {
 
 // Corners some kNoLength apart may be gathered here and not there, so that patches around them do
 // not fit each other. Then all corners stay apart, and wide numbers decide between their probes.
-ExcludedMeasures measure_certified(const SphereSet& atoms, const ExcludedOptions& options) {
-  ExcludedMeasures gathered = ExcludedSum(atoms, options, kNoLength).run();
-  if (is_certified(gathered)) return gathered;
-  ExcludedMeasures apart = ExcludedSum(atoms, options, 0).run();
-  return is_certified(apart) ? apart : gathered;
+ExcludedMeasures measure_certified(const SphereSet& atoms, const ExcludedOptions& options,
+                                   KeptSurface* kept) {
+  ExcludedSum first(atoms, options, kNoLength);
+  ExcludedMeasures gathered = first.run();
+  if (!is_certified(gathered)) {
+    ExcludedSum second(atoms, options, 0);
+    ExcludedMeasures apart = second.run();
+    if (is_certified(apart)) {
+      if (kept != nullptr) *kept = std::move(second).keep();
+      return apart;
+    }
+  }
+  if (kept != nullptr) *kept = std::move(first).keep();
+  return gathered;
 }
 
 }  // namespace
@@ -415,9 +431,12 @@ std::vector<std::string> doubts(const ExcludedSurface& s) {
   return lines;
 }
 
-ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options) {
+namespace {
+
+ExcludedMeasures checked_measures(const SphereSet& atoms, const ExcludedOptions& options,
+                                  KeptSurface* kept) {
   begin_stage(options.monitor, "excluded surface", 1);
-  ExcludedMeasures out = measure_certified(atoms, options);
+  ExcludedMeasures out = measure_certified(atoms, options, kept);
   advance(options.monitor, 1);
   check_digits(out.complete, options.probe);
   if (out.exterior) check_digits(*out.exterior, options.probe);
@@ -425,6 +444,19 @@ ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions
   if (found.size() == 1 && !(missing_share(out.complete) <= kRounding))
     throw InternalError(found[0]);
   return out;
+}
+
+}  // namespace
+
+ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options) {
+  return checked_measures(atoms, options, nullptr);
+}
+
+ExcludedMeasures excluded::measure_and_keep(const SphereSet& atoms, const ExcludedOptions& options,
+                                            KeptSurface& kept) {
+  ExcludedOptions exterior = options;
+  exterior.exterior = true;
+  return checked_measures(atoms, exterior, &kept);
 }
 
 }  // namespace vdwmesh

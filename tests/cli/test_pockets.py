@@ -155,14 +155,50 @@ class Pockets(ProgramTest):
             expected = [row for row in csv.DictReader(file) if row["set"] in ("1CRN", "1UBQ")]
         for row in expected:
             path = self.folder / "shell.csv"
-            self.run_ok("pockets", need_shared(f"reference/{row['set']}.xyzr"), "--shell", row["large_probe"],
-                        "-o", path, "--quiet")  # fmt: skip
+            report = self.report("pockets", need_shared(f"reference/{row['set']}.xyzr"), "--shell", row["large_probe"],
+                                 "-o", path)["shell"]  # fmt: skip
             with path.open(newline="") as file:
-                (found,) = csv.DictReader(file)
-            self.assertEqual(list(found), list(row))
+                rows = list(csv.DictReader(file))
+            self.assertEqual(list(rows[0])[: len(row)], list(row))
             for name in row:
                 if name != "set":
-                    self.assert_near(float(found[name]), float(row[name]), TWELVE_DIGITS * max(1, float(row[name])))
+                    self.assert_near(float(rows[0][name]), float(row[name]), TWELVE_DIGITS * max(1, float(row[name])))
+            self.assertEqual(len(rows), len(report["pockets"]))
+            for found, pocket in zip(rows, report["pockets"], strict=True):
+                self.assertEqual(found["shell_exterior"], rows[0]["shell_exterior"])
+                self.assertEqual(found["pocket_lining"], pocket["lining"])
+                self.assertEqual(len(pocket["lining"].split()), pocket["atoms"])
+                for name in ("volume", "area", "mouth_area", "mouths"):
+                    self.assert_near(float(found[f"pocket_{name}"]), pocket[name], 0)
+            total = report["shell_exterior"]
+            self.assert_near(sum(pocket["volume"] for pocket in report["pockets"]), total, 1e-10 * total)
+
+    def test_shell_of_cages(self):
+        """A probe of 1.2 Å gets into the host A1 and one of 1.4 Å does not: its exit is 1.2302 Å (notes/pockets.md).
+
+        MoloVol's grid gives the room of the cavity 1410.7 Å³.
+        """
+        cage = need_shared("molecules/cages/A1.pdb.gz")
+        shells = {p: self.report("pockets", cage, "--radii", "alvarez", "--probe", p, "--shell", "4")["shell"]
+                  for p in ("0.8", "1.2", "1.4")}  # fmt: skip
+        room = {p: s["shell_complete"] - s["shell_exterior"] for p, s in shells.items()}
+        self.assert_near(room["0.8"], 0, 1e-9)
+        self.assert_near(room["1.2"], 0, 1e-9)
+        self.assertLess(abs(room["1.4"] / 1410.7 - 1), 0.05)
+        for shell in shells.values():
+            self.assert_near(sum(p["volume"] for p in shell["pockets"]), shell["shell_exterior"], 1e-7)
+        self.assertGreater(shells["1.2"]["pockets"][0]["volume"], room["1.4"])
+        self.assertLess(shells["1.4"]["pockets"][0]["volume"], room["1.4"])
+
+    def test_shell_without_pockets(self):
+        path, table = self.folder / "ball.xyzr", self.folder / "ball.csv"
+        path.write_text("0 0 0 1.5\n")
+        shell = self.report("pockets", path, "--shell", "4", "-o", table)["shell"]
+        self.assertEqual(shell["pockets"], [])
+        with table.open(newline="") as file:
+            (row,) = csv.DictReader(file)
+        self.assertEqual(row["pocket_volume"], "")
+        self.assert_near(float(row["shell_exterior"]), 0, 1e-12)
 
     def test_way_out(self):
         path = self.folder / "way.csv"

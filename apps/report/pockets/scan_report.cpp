@@ -7,6 +7,7 @@
 
 #include "report/atom_names.hpp"
 #include "report/csv.hpp"
+#include "report/pockets/pocket_report.hpp"
 #include "report/report_text_parts.hpp"
 
 namespace vdwmesh::apps {
@@ -68,6 +69,25 @@ WayReport way_report(const WayOut& way, const std::string& from, const Molecule&
   return report;
 }
 
+ShellReport shell_report(const TwoProbeShell& shell, const Molecule& molecule) {
+  ShellReport report{.set = set_name(molecule.path),
+                     .small_probe = shell.small.probe,
+                     .large_probe = shell.large.probe,
+                     .complete_small = shell.small.complete.volume,
+                     .exterior_small = shell.small.exterior->volume,
+                     .complete_large = shell.large.complete.volume,
+                     .exterior_large = shell.large.exterior->volume};
+  if (!shell.doubt.empty()) return report;
+  report.pockets.emplace();
+  for (const ShellPocket& pocket : shell.pockets) {
+    ShellRow& row = report.pockets->emplace_back();
+    static_cast<ShellPocket&>(row) = pocket;
+    row.rank = report.pockets->size();
+    row.lining_text = names_of(pocket.lining, molecule);
+  }
+  return report;
+}
+
 // The places for the largest probes; the table has all.
 std::string scan_text(const ScanReport& report) {
   constexpr std::size_t kShown = 20;
@@ -115,7 +135,9 @@ std::string way_text(const WayReport& report) {
   return text;
 }
 
+// The largest pockets; the table has all.
 std::string shell_text(const ShellReport& s) {
+  constexpr std::size_t kShown = 20;
   std::string text;
   const Text out = std::back_inserter(text);
   line(out, "Shell",
@@ -123,11 +145,38 @@ std::string shell_text(const ShellReport& s) {
                    "those of the small probe {:.3f} Å³",
                    s.exterior_large - s.exterior_small, s.small_probe, s.large_probe,
                    s.exterior_large - s.complete_small));
+  if (!s.pockets) return text;
+  line(out, "Pockets",
+       fmt::format("{}, which sum to the shell without cavities", s.pockets->size()));
+  if (s.pockets->empty()) return text;
+  fmt::format_to(out, "\n{:>6}{:>14}{:>12}{:>8}{:>12}{:>7}\n", "", "volume Å³", "walls Å²",
+                 "mouths", "open Å²", "atoms");
+  for (const ShellRow& p : *s.pockets) {
+    if (p.rank > kShown) break;
+    fmt::format_to(out, "{:>6}{:>14.3f}{:>12.3f}{:>8}{:>12.3f}{:>7}\n", p.rank, p.volume, p.area,
+                   p.mouths, p.mouth_area, p.lining.size());
+  }
+  if (s.pockets->size() > kShown) {
+    fmt::format_to(out, "{:>6}  {} more; -o FILE.csv has all\n", "", s.pockets->size() - kShown);
+  }
   return text;
 }
 
 std::string scan_csv(const ScanReport& report) { return table_of(report.places); }
 std::string way_csv(const WayReport& report) { return table_of(report.points); }
-std::string shell_csv(const ShellReport& report) { return table_of(std::vector{report}); }
+std::string shell_csv(const ShellReport& report) {
+  const auto cells_of = [&](const std::optional<ShellRow>& pocket) {
+    Cells cells(csv_number);
+    describe(cells, report);
+    cells("pocket", pocket);
+    return cells;
+  };
+  std::vector<Cells> rows;
+  for (const ShellRow& pocket : report.pockets.value_or(std::vector<ShellRow>{})) {
+    rows.push_back(cells_of(pocket));
+  }
+  if (rows.empty()) rows.push_back(cells_of(std::nullopt));
+  return csv_table(rows.front().names(), rows);
+}
 
 }  // namespace vdwmesh::apps

@@ -2,10 +2,12 @@
 // probes: text, JSON, and tables.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "excluded/two_probe_shell.hpp"
 #include "pockets/probe_scan.hpp"
 #include "report/describe.hpp"
 #include "structure/molecule.hpp"
@@ -40,21 +42,29 @@ struct WayReport {
   std::vector<WayRow> points;
 };
 
-// Volumes (Å³) of the excluded solids of two probes.
+struct ShellRow : ShellPocket {
+  std::uint64_t rank = 0;   // from 1, by falling volume
+  std::string lining_text;  // names of lining atoms
+};
+
+// Volumes (Å³) of the excluded solids of two probes, and the pockets between them.
 struct ShellReport {
   std::string set;
   double small_probe = 0, large_probe = 0;  // Å
   double complete_small = 0, exterior_small = 0, complete_large = 0, exterior_large = 0;
+  std::optional<std::vector<ShellRow>> pockets = {};  // nothing if TwoProbeShell::doubt says why
 };
 
 ScanReport scan_report(const ProbeScan& scan, double lowest, double highest,
                        const Molecule& molecule);
 WayReport way_report(const WayOut& way, const std::string& from, const Molecule& molecule);
+ShellReport shell_report(const TwoProbeShell& shell, const Molecule& molecule);
 
 std::string scan_text(const ScanReport& report);
 std::string way_text(const WayReport& report);
 std::string shell_text(const ShellReport& report);
-// One row per place, per point of the way, and for the shell one.
+// One row per place, per point of the way, and per pocket of the shell, with the shell's figures in
+// each row; if there are no pockets, the shell's alone.
 std::string scan_csv(const ScanReport& report);
 std::string way_csv(const WayReport& report);
 std::string shell_csv(const ShellReport& report);
@@ -98,12 +108,20 @@ void describe(A& a, const WayReport& report) {
 }
 
 template <class A>
+void describe(A& a, const ShellRow& p) {
+  a("rank", p.rank), a("volume", p.volume), a("area", p.area);
+  a("mouths", p.mouths), a("mouth_area", p.mouth_area);
+  a("islands", p.islands), a("atoms", p.lining.size()), a("lining", p.lining_text);
+}
+
+template <class A>
 void describe(A& a, const ShellReport& s) {
   a("set", s.set), a("small_probe", s.small_probe), a("large_probe", s.large_probe);
   a("complete_small", s.complete_small), a("exterior_small", s.exterior_small);
   a("complete_large", s.complete_large), a("exterior_large", s.exterior_large);
   a("shell_exterior", s.exterior_large - s.exterior_small);
   a("shell_complete", s.exterior_large - s.complete_small);
+  a("pockets", s.pockets);
 }
 
 }  // namespace vdwmesh::apps

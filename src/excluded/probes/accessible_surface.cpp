@@ -298,7 +298,12 @@ void AccessibleSurface::link_circles() {
   });
 }
 
-// Joins the arcs that follow each other around a ball, by elements 2 × arc + side.
+std::uint32_t AccessibleSurface::element_at(CornerIndex corner, std::size_t k) const {
+  const std::uint32_t arc = arc_at_[corner][(k + 1) % 3];
+  return static_cast<std::uint32_t>(2 * arc + side_of(arcs[arc], triangle_of(corner).vertices[k]));
+}
+
+// Joins the arcs that follow each other around a ball.
 std::uint32_t AccessibleSurface::number_loops(Buffer<std::uint32_t>& loop_of) const {
   DisjointSets cycle(2 * arcs.size());
   for_each_index(arc_at_.size(), [&](std::size_t c) {
@@ -401,12 +406,11 @@ void AccessibleSurface::measure_pieces() {
       },
       [&](std::size_t i, const std::array<double, 3>& turning) {
         const CornerIndex c = corners[i];
-        const DualTriangle& f = triangle_of(c);
         Probe& probe = probes[probe_at_[c]];
         probe.solid_angle += turning[0] + turning[1] + turning[2] - std::numbers::pi;
         for (std::size_t k = 0; k < 3; ++k) {
-          const RolledArc& arc = arcs[arc_at_[c][(k + 1) % 3]];
-          bend[arc.contact[side_of(arc, f.vertices[k])]].add(-turning[k]);
+          const std::uint32_t x = element_at(c, k);
+          bend[arcs[x / 2].contact[x % 2]].add(-turning[k]);
         }
       });
   for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i].solid_angle = bend[i].value();

@@ -138,6 +138,11 @@ class AccessibleSurface {
     const Vec3d& home = triangulation_.balls[triangle_of(from.corner).vertices[0]].center;
     return place(ball, home) - from_first(from.corner);
   }
+  // Numbers the boundary loops of the exposed parts of balls by elements, 2 × arc + side, and
+  // returns how many there are.
+  std::uint32_t number_loops(Buffer<std::uint32_t>& loop_of) const;
+  // An element of the loop of vertex k's ball through a corner of its triangle.
+  std::uint32_t element_at(CornerIndex corner, std::size_t k) const;
   // A corner's place, relative to the origin.
   Vec3d corner_point(CornerIndex corner) const {
     return center(triangle_of(corner).vertices[0]) + from_first(corner);
@@ -157,8 +162,6 @@ class AccessibleSurface {
   void list_sides();
   void link_circles();
   void find_pieces();
-  // Numbers the boundary loops of the exposed parts of balls, and returns how many there are.
-  std::uint32_t number_loops(Buffer<std::uint32_t>& loop_of) const;
   // For each loop the lowest number of a loop of the same piece.
   std::vector<std::uint32_t> lowest_loops(const ContactLoops& table) const;
   void measure_pieces();

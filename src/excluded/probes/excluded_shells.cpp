@@ -14,8 +14,8 @@
 #include <numbers>
 
 #include "core/disjoint_sets.hpp"
-#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
+#include "excluded/probes/surface_faces.hpp"
 
 namespace vdwmesh::excluded {
 namespace {
@@ -30,13 +30,16 @@ class ShellSum {
         records_(records),
         included_(included),
         radius_(radius),
-        first_half_(surface.contacts.size()),
-        first_piece_(first_half_ + 2 * surface.arcs.size()),
-        faces_(first_piece_ + records.pieces.size()) {}
+        numbers_{surface, records, included, surface.contacts.size()},
+        faces_(numbers_.end()) {}
 
   ShellTable run() {
-    join_saddles();
-    join_creases();
+    for (std::uint32_t i = 0; i < surface_.arcs.size(); ++i) {
+      const RolledArc& arc = surface_.arcs[i];
+      for (std::size_t k = 0; k < 2 && counts(arc); ++k) faces_.join(half(i, k), arc.contact[k]);
+    }
+    numbers_.join_saddles(faces_);
+    table_.unmatched_patches = numbers_.join_creases(faces_);
     std::move(faces_).number_sets(shell_);
     sums_.resize(shell_.size());
     add_contacts();
@@ -54,45 +57,8 @@ class ShellSum {
   };
 
   bool counts(const RolledArc& arc) const { return surface_.counts(arc, included_); }
-  std::uint32_t half(std::size_t arc, std::size_t side) const {
-    return static_cast<std::uint32_t>(first_half_ + 2 * arc + side);
-  }
-  std::uint32_t piece(std::uint32_t i) const {
-    return static_cast<std::uint32_t>(first_piece_ + i);
-  }
-
-  void join_saddles() {
-    for (std::uint32_t i = 0; i < surface_.arcs.size(); ++i) {
-      const RolledArc& arc = surface_.arcs[i];
-      if (!counts(arc)) continue;
-      for (std::size_t k = 0; k < 2; ++k) faces_.join(half(i, k), arc.contact[k]);
-      if (!profile_of(arc).spindle) faces_.join(half(i, 0), half(i, 1));
-    }
-    for (std::size_t s = 0; s < surface_.sides.size(); ++s) {
-      for (std::size_t k = 0; k < 2; ++k) {
-        const std::uint32_t p = records_.side_piece[s][k];
-        if (p != kNoIndex) faces_.join(half(surface_.sides[s].arc, k), piece(p));
-      }
-    }
-  }
-
-  // Joins the two pieces along each crease. From the other probe a crease runs the other way.
-  void join_creases() {
-    std::uint32_t last = kNoIndex;
-    for (const Crease& c : records_.creases) {
-      const auto first = records_.creases.begin() + records_.first_crease[c.other],
-                 end = records_.creases.begin() + records_.first_crease[c.other + 1];
-      const auto found = std::find_if(first, end, [&](const Crease& d) {
-        return d.other == c.probe && d.from == c.to && d.to == c.from;
-      });
-      if (found != end) {
-        faces_.join(piece(c.piece), piece(found->piece));
-      } else if (last != c.probe) {
-        last = c.probe;
-        ++table_.unmatched_patches;
-      }
-    }
-  }
+  std::uint32_t half(std::size_t arc, std::size_t side) const { return numbers_.half(arc, side); }
+  std::uint32_t piece(std::uint32_t i) const { return numbers_.piece(i); }
 
   Sum& at(std::uint32_t face) {
     Sum& sum = sums_[shell_[face]];
@@ -212,7 +178,7 @@ class ShellSum {
   const PatchRecords& records_;
   std::span<const std::uint8_t> included_;
   std::span<const double> radius_;
-  std::size_t first_half_, first_piece_;  // numbers of faces: contacts, halves, concave pieces
+  SurfaceFaces numbers_;  // behind those of the contact pieces
   DisjointSets faces_;
   Buffer<std::uint32_t> shell_;  // by face
   std::vector<Sum> sums_;        // by shell
