@@ -331,6 +331,15 @@ std::vector<Option> picture_options(Draft& d) {
       {"--background", kPictures,
        of_picture(p, "COLOR", read_background, {"transparent", "white", "black", "grey"}),
        "transparent, white, black, grey or #rrggbb", by_default("white")},
+      {"--transparency", kPictures, of_picture(p, "T", read_transparency),
+       "of the surface, from 0 to below 1 or in percent: all its layers are seen, each through "
+       "those "
+       "in front",
+       by_default("0")},
+      {"--outline", kPictures, flag(r.outline, kUsualOutline),
+       "a line where the surface ends in front of what is farther"},
+      {"--ambient-occlusion", kPictures, flag(p.ambient_occlusion, true),
+       "light from all sides, which is dim in grooves and pockets"},
       {"--camera", kPictures, one(r.projection, named<CameraProjection>()), "how depth is drawn",
        by_default("orthographic")},
       {"--shading", kPictures, one(r.shading, named<Shading>()), "where light is computed",
