@@ -373,6 +373,11 @@ std::vector<Option> output_options(Draft& d) {
        required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp .vtu .3mf)")},
       {"--ascii", kMesh, flag(o.ascii, Switch::on),
        "text in place of the binary form of .ply and .stl"},
+      {"--scale", kMesh, one(o.mesh_scale, number("N", Range::positive, "0.1")),
+       "lengths in the mesh file for 1 Å, such as 0.1 for nm; --units is of INPUT, and figures "
+       "stay "
+       "in Å",
+       by_default("1")},
       {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file, which all ranks write: .ply or .vtkhdf",
        required("name the mesh file to write (.ply .vtkhdf)")},

@@ -33,6 +33,7 @@ constexpr std::string_view kNoPoints = "the measures are exact, without points o
                            kDropped = "waters are left out unless --waters is given",
                            kAssumed = "radii of unknown atoms are told from elements, and counted",
                            kBinary = "PLY and STL are binary files unless --ascii is given",
+                           kLengths = "files are in Å; --scale 0.1 writes nm, --scale 1e-7 mm",
                            kAlone = "a structure stands alone, without an option";
 
 constexpr OtherWord kOptions[] = {
@@ -122,6 +123,10 @@ constexpr OtherWord kOptions[] = {
     {"cpu", "--backend cpu"},
     {"nm", "--units nm"},
     {"unit", "--units"},
+    {"scale-factor", "--scale"},
+    {"output-scale", "--scale"},
+    {"output-units", "{}", kLengths},
+    {"output-unit", "{}", kLengths},
     {"color-by", "--color"},
     {"colour", "--color"},
     {"bfactor", "--b-factor"},

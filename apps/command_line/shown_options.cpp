@@ -27,7 +27,8 @@ constexpr std::string_view kUnseen[] = {"--csv",          "--hetatm",        "--
                                         "--shell",        "--from",          "--sums",
                                         "--method",       "--write",         "--b-factor",
                                         "--rsa",          "--max-distance",  "--ascii",
-                                        "--transparency", "--outline",       "--ambient-occlusion"};
+                                        "--transparency", "--outline",       "--ambient-occlusion",
+                                        "--scale"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

@@ -1,6 +1,7 @@
 // Writer of 3MF, the files of slicers for printers: XML with a unit, in a ZIP archive. A slicer
-// takes 1 Å for 1 mm, as it does in STL. The archive has three members, packed by DEFLATE; its
-// parts are those of APPNOTE.TXT 6.3, the model's those of the 3MF core specification 1.3.
+// takes 1 Å for 1 mm, as it does in STL, unless a scale is given. The archive has three members,
+// packed by DEFLATE; its parts are those of APPNOTE.TXT 6.3, the model's those of the 3MF core
+// specification 1.3.
 //
 // The text is packed block by block on all cores while it is written, and never in memory as a
 // whole. A block ends at a whole byte and needs none before it, so packed blocks follow each other
@@ -39,7 +40,7 @@ constexpr std::string_view kModelBegin =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
     "<model unit=\"millimeter\" xml:lang=\"en-US\" "
     "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
-    "<metadata name=\"Application\">vdwmesh</metadata>\n"
+    "<metadata name=\"Application\">vdwmesh</metadata>{}\n"
     "<resources><object id=\"1\" type=\"model\"><mesh><vertices>\n";
 constexpr std::string_view kModelEnd =
     "</triangles></mesh></object></resources>\n<build><item objectid=\"1\"/></build>\n</model>\n";
@@ -209,10 +210,14 @@ void write_3mf(const MeshView& view, ByteSink& sink) {
   add_member(zip, "[Content_Types].xml", kTypes);
   add_member(zip, "_rels/.rels", kRelations);
   zip.begin("3D/3dmodel.model");
-  zip.add(pack(kModelBegin));
+  const std::string unit =
+      view.scale == 1
+          ? ""
+          : fmt::format("<metadata name=\"Description\">{}</metadata>", unit_text(view.scale));
+  zip.add(pack(fmt::format(kModelBegin, unit)));
   add_elements(zip, mesh.vertex_count(), "<vertex", {" x=\"", " y=\"", " z=\""},
                [&](std::size_t v) {
-                 const Vec3d& p = mesh.positions[v];
+                 const Vec3d p = view.position(v);
                  return std::array{p.x, p.y, p.z};
                });
   zip.add(pack("</vertices><triangles>\n"));
