@@ -24,6 +24,7 @@ struct ViewChoice {
 struct Options {
   std::vector<InputOptions> inputs;  // one, but for the verbs that take several
   std::string mesh_path;             // read by `compare`, written by `mesh`
+  double mesh_scale = 1;             // lengths in the file that `mesh` writes, for 1 Å
   Switch ascii = Switch::off;        // whether `mesh` writes PLY and STL as text
   SurfaceOptions surface;
   SelfIntersections self_intersections = SelfIntersections::count;

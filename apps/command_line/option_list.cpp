@@ -333,6 +333,15 @@ std::vector<Option> picture_options(Draft& d) {
       {"--background", kPictures,
        of_picture(p, "COLOR", read_background, {"transparent", "white", "black", "grey"}),
        "transparent, white, black, grey or #rrggbb", by_default("white")},
+      {"--transparency", kPictures, of_picture(p, "T", read_transparency),
+       "of the surface, from 0 to below 1 or in percent: all its layers are seen, each through "
+       "those "
+       "in front",
+       by_default("0")},
+      {"--outline", kPictures, flag(r.outline, kUsualOutline),
+       "a line where the surface ends in front of what is farther"},
+      {"--ambient-occlusion", kPictures, flag(p.ambient_occlusion, true),
+       "light from all sides, which is dim in grooves and pockets"},
       {"--camera", kPictures, one(r.projection, named<CameraProjection>()), "how depth is drawn",
        by_default("orthographic")},
       {"--shading", kPictures, one(r.shading, named<Shading>()), "where light is computed",
@@ -366,6 +375,11 @@ std::vector<Option> output_options(Draft& d) {
        required("name the mesh file to write (.ply .obj .off .stl .glb .msh .vtp .vtu .3mf)")},
       {"--ascii", kMesh, flag(o.ascii, Switch::on),
        "text in place of the binary form of .ply and .stl"},
+      {"--scale", kMesh, one(o.mesh_scale, number("N", Range::positive, "0.1")),
+       "lengths in the mesh file for 1 Å, such as 0.1 for nm; --units is of INPUT, and figures "
+       "stay "
+       "in Å",
+       by_default("1")},
       {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file, which all ranks write: .ply or .vtkhdf",
        required("name the mesh file to write (.ply .vtkhdf)")},

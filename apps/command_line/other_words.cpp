@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 #include <sstream>
 
@@ -20,9 +21,9 @@ namespace {
 // What is typed elsewhere (`there`), as bare() spells it, and what is typed here.
 //
 // Of an option, {} in `here` takes the option's value away from behind it: between quotes the value
-// is put in its place, elsewhere it is dropped. Without {} the value stays behind the option. So ""
-// leaves the option out and "{}" the option with its value; `why` then says that nothing is lost.
-// Of a verb, {} stands for the words behind it.
+// is put in its place, elsewhere it is dropped; {1-} is what it leaves of 1. Without {} the value
+// stays behind the option. So "" leaves the option out and "{}" the option with its value; `why`
+// then says that nothing is lost. Of a verb, {} stands for the words behind it.
 struct OtherWord {
   std::string_view there, here, why = {};
 };
@@ -31,9 +32,8 @@ constexpr std::string_view kNoPoints = "the measures are exact, without points o
                            kKept = "hydrogens are kept unless --no-hydrogens is given",
                            kDropped = "waters are left out unless --waters is given",
                            kAssumed = "radii of unknown atoms are told from elements, and counted",
-                           kOpaque = "pictures are opaque",
-                           kNoOutlines = "pictures have no outlines",
                            kBinary = "PLY and STL are binary files unless --ascii is given",
+                           kLengths = "files are in Å; --scale 0.1 writes nm, --scale 1e-7 mm",
                            kAlone = "a structure stands alone, without an option";
 
 constexpr OtherWord kOptions[] = {
@@ -123,14 +123,24 @@ constexpr OtherWord kOptions[] = {
     {"cpu", "--backend cpu"},
     {"nm", "--units nm"},
     {"unit", "--units"},
+    {"scale-factor", "--scale"},
+    {"output-scale", "--scale"},
+    {"output-units", "{}", kLengths},
+    {"output-unit", "{}", kLengths},
     {"color-by", "--color"},
     {"colour", "--color"},
     {"bfactor", "--b-factor"},
     {"n", "{}", kNoPoints},
-    {"transparency", "{}", kOpaque},
-    {"opacity", "{}", kOpaque},
-    {"alpha", "{}", kOpaque},
-    {"outline", "", kNoOutlines},
+    {"transparent", "--transparency"},
+    {"opacity", "--transparency '{1-}'"},
+    {"alpha", "--transparency '{1-}'"},
+    {"outlines", "--outline"},
+    {"silhouettes", "--outline"},
+    {"silhouette", "--outline"},
+    {"ambient", "--ambient-occlusion"},
+    {"ao", "--ambient-occlusion"},
+    {"shadows", "--ambient-occlusion"},
+    {"soft", "--ambient-occlusion"},
     {"binary", "", kBinary},
     {"unknown", "{}", kAssumed},
     {"cavities", "--voids -"}};
@@ -178,13 +188,25 @@ std::string bare(std::string_view option) {
   return lower_case(name);
 }
 
-// The text with the value in place of {} if that stands between quotes; else {} alone is removed.
+// What a number leaves of 1, as a transparency is what an opacity leaves; other text stays.
+std::string rest_of_one(const std::string& value) {
+  double number = 0;
+  const char* end = value.data() + value.size();
+  if (std::from_chars(value.data(), end, number).ptr != end) return value;
+  return fmt::format("{:.6g}", 1 - number);
+}
+
+// The text with the value in place of {}, or what it leaves of 1 in place of {1-}, if that stands
+// between quotes; else {} alone is removed.
 std::string filled(std::string_view text, const std::string& value) {
-  const std::size_t place = text.find("{}");
+  const std::size_t place = text.find('{'), end = text.find('}');
   if (place == text.npos) return std::string(text);
-  const bool is_shown = text.find('\'') < place;
-  return fmt::format("{}{}{}", text.substr(0, place), is_shown ? value : "",
-                     text.substr(place + 2));
+  const bool is_shown = text.find('\'')<place, is_rest = end> place + 1;
+  return fmt::format("{}{}{}", text.substr(0, place),
+                     is_rest    ? rest_of_one(value)
+                     : is_shown ? value
+                                : "",
+                     text.substr(end + 1));
 }
 
 std::string_view first_word(std::string_view text) { return text.substr(0, text.find(' ')); }
@@ -243,7 +265,7 @@ std::string advice_on_option(std::string_view command, const std::vector<std::st
       typed.push_back(in_shell(word));
       continue;
     }
-    const bool takes_value = here->here.find("{}") != here->here.npos;
+    const bool takes_value = here->here.find('{') != here->here.npos;
     if (takes_value && value.empty()) return fmt::format("; it is {}", first_word(here->here));
     if (!here->why.empty()) reasons += fmt::format("; {}", here->why);
     typed.push_back(filled(here->here, value));

@@ -17,14 +17,18 @@ constexpr std::string_view kUsual[] = {"--mesher",      "--subdivide",    "--rep
                                        "--threads",     "--memory-limit", "--verbose"};
 
 // Options of verbs that take structures which are read and not shown.
-constexpr std::string_view kUnseen[] = {
-    "--csv",          "--hetatm",        "--preset",     "--isovalue",     "--blobbiness",
-    "--crossings",    "--seed",          "--cgal-check", "--devices",      "--camera",
-    "--shading",      "--antialias",     "--rows",       "--time-limit",   "--page-triangles",
-    "--edge-lengths", "--relative-edge", "--padding",    "--progress",     "--project",
-    "--scan",         "--shell",         "--from",       "--sums",         "--method",
-    "--write",        "--b-factor",      "--rsa",        "--max-distance", "--ascii",
-    "--mesh"};
+constexpr std::string_view kUnseen[] = {"--csv",          "--hetatm",        "--preset",
+                                        "--isovalue",     "--blobbiness",    "--crossings",
+                                        "--seed",         "--cgal-check",    "--devices",
+                                        "--camera",       "--shading",       "--antialias",
+                                        "--rows",         "--time-limit",    "--page-triangles",
+                                        "--edge-lengths", "--relative-edge", "--padding",
+                                        "--progress",     "--project",       "--scan",
+                                        "--shell",        "--from",          "--sums",
+                                        "--method",       "--write",         "--b-factor",
+                                        "--rsa",          "--max-distance",  "--ascii",
+                                        "--transparency", "--outline",       "--ambient-occlusion",
+                                        "--scale",        "--mesh"};
 
 bool is_unseen(const Option& option) {
   return (option.verbs & kStructures) && std::ranges::count(kUnseen, option.short_name()) > 0;

@@ -182,8 +182,12 @@ void draw_mesh(const IndexedMesh& mesh, const Painter& painter, const PictureOpt
   Report& report = session.report;
   const Backend backend = report.backend ? report.backend->used : resolve(session.machine.backend);
   const Renderer renderer;
-  const MeshSource source(mesh, std::move(paint));
+  MeshSource source(mesh, std::move(paint));
   RenderOptions render = options.render;
+  if (options.ambient_occlusion) {
+    source.shade();
+    render.material = kSkyLight;
+  }
   render.memory_limit = left_of(session.machine.memory_limit, indexed_mesh_bytes(mesh));
   if (backend == Backend::cuda) release_device_memory();  // OpenGL needs it now
   write_file(options.path, encode_png(renderer.draw(source, render)));

@@ -113,6 +113,17 @@ void read_background(std::string_view option, const std::string& text, PictureOp
   refuse("{} {}: needs transparent, white, black, grey or #rrggbb", option, text);
 }
 
+void read_transparency(std::string_view option, const std::string& text, PictureOptions& options) {
+  const bool is_percent = text.ends_with('%');
+  const std::string_view digits = std::string_view(text).substr(0, text.size() - is_percent);
+  const double given = parse_number(option, digits, Range::non_negative, "0.5");
+  const double transparency = is_percent ? given / 100 : given;
+  refuse_if(transparency >= 1 && !is_percent && given <= 100,
+            "{} {}: is a share from 0 to below 1; in percent it is {}%", option, text, digits);
+  refuse_if(transparency >= 1, "{} {}: needs less than 1, which is invisible", option, text);
+  options.render.opacity = 1 - transparency;
+}
+
 void read_color(std::string_view option, const std::string& text, PictureOptions& options) {
   constexpr std::string_view kKnown[] = {
       "element",  "chain", "residue", "hydropathy",     "exposure",           "b-factor",

@@ -36,6 +36,9 @@ constexpr bool is_of_patches(ColorBy color) {
 // What atoms alone know, which mesh files do not have.
 constexpr bool is_of_atoms(ColorBy color) { return color <= ColorBy::b_factor; }
 
+// The width of --outline: 2 pixels of 900.
+inline constexpr double kUsualOutline = 1.0 / 450;
+
 // Bounds of a colour scale.
 struct ColorRange {
   double lower, upper;
@@ -49,6 +52,7 @@ struct PictureOptions {
   Rgb plain{0.80f, 0.80f, 0.78f};     // of ColorBy::plain
   std::optional<ColorMap> color_map;  // none: the one that suits the values
   std::optional<ColorRange> range;    // none: from the values
+  bool ambient_occlusion = false;     // else light from one side, and an even rest
 };
 
 // Each reads the text of one option into its place in the options. They throw InvalidInput that
@@ -61,6 +65,8 @@ void read_view(std::string_view option, const std::string& text, PictureOptions&
 void read_size(std::string_view option, const std::string& text, PictureOptions& options);
 // "transparent", "white", "black", "grey" or "#rrggbb".
 void read_background(std::string_view option, const std::string& text, PictureOptions& options);
+// A share from 0 to below 1, or percent with the sign.
+void read_transparency(std::string_view option, const std::string& text, PictureOptions& options);
 // What colours show, or one colour.
 void read_color(std::string_view option, const std::string& text, PictureOptions& options);
 // "LOWER,UPPER".

@@ -100,8 +100,9 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
     write_whole(path, [&] {
       const MeshEncoding encoding =
           options.ascii == Switch::on ? MeshEncoding::text : MeshEncoding::binary;
-      warnings = has_patches ? write_mesh(made, path, colors, &signals, encoding)
-                             : write_mesh(made.mesh, path, colors, &signals, encoding);
+      const double scale = options.mesh_scale;
+      warnings = has_patches ? write_mesh(made, path, colors, &signals, encoding, scale)
+                             : write_mesh(made.mesh, path, colors, &signals, encoding, scale);
     });
   };
   run_beside(
@@ -124,6 +125,9 @@ void write(const PatchedMesh& made, const Options& options, const Structure& str
     report.notes.push_back(
         path + ": does not say which sphere each triangle is part of; PLY, MSH, VTP and VTU do");
   }
+  if (options.mesh_scale != 1)
+    report.notes.push_back(
+        fmt::format("{}: 1 Å is {}; the figures here are in Å", path, options.mesh_scale));
   if (is_msh && result.topology.closed) report.notes.push_back(filled_by_gmsh(path));
   result.path = path;
   session.end_stage(&Timing::write);

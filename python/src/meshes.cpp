@@ -361,14 +361,15 @@ MeshHandle downloaded(const CudaMeshHandle& h) {
   return handle_of(std::move(mesh));
 }
 
-std::vector<std::string> save(const MeshHandle& h, const std::string& path, bool ascii) {
+std::vector<std::string> save(const MeshHandle& h, const std::string& path, bool ascii,
+                              double scale) {
   const MeshFormat format = mesh_format(path);  // an unknown extension is told before any work
   if (ascii && format != MeshFormat::ply && format != MeshFormat::stl)
     throw InvalidInput("ascii: is of .ply and .stl files; the others have one form");
   const MeshEncoding encoding = ascii ? MeshEncoding::text : MeshEncoding::binary;
   return call({}, [&](Monitor& monitor) {
-    return h.patched ? write_mesh(*h.patched, path, {}, &monitor, encoding)
-                     : write_mesh(*h.mesh, path, {}, &monitor, encoding);
+    return h.patched ? write_mesh(*h.patched, path, {}, &monitor, encoding, scale)
+                     : write_mesh(*h.mesh, path, {}, &monitor, encoding, scale);
   });
 }
 

@@ -154,13 +154,13 @@ class Mesh:
         """Whether every edge is on two faces."""
         return bool(self._summary["closed"])
 
-    def save(self, path: str | os.PathLike[str], *, ascii: bool = False) -> None:
+    def save(self, path: str | os.PathLike[str], *, ascii: bool = False, scale: float = 1.0) -> None:
         """Write a mesh file: .ply, .obj, .off, .stl, .glb, .msh, .msh4, .vtp, .vtu or .3mf, by the extension.
 
-        PLY and STL are binary, or text with ``ascii=True``. Losses of the format, such as float32
-        coordinates, are warnings.
+        PLY and STL are binary, or text with ``ascii=True``. Coordinates are multiplied by `scale`, so 0.1
+        writes nm. Losses of the format, such as float32 coordinates, are warnings.
         """
-        for loss in self._handle.save(os.fsencode(path), bool(ascii)):
+        for loss in self._handle.save(os.fsencode(path), bool(ascii), float(scale)):
             warnings.warn(loss, stacklevel=2)
 
     def to_trimesh(self) -> Any:

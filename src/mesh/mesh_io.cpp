@@ -42,8 +42,10 @@ void check_writable(const formats::MeshView& view) {
   const auto atom_of = [&](std::size_t v) {
     return has_atoms ? mesh.vertex_spheres.atoms[v] : kNoSphere;
   };
+  if (!(view.scale > 0 && std::isfinite(view.scale)))
+    throw InvalidInput(fmt::format("a scale of {}; needs a finite number above 0", view.scale));
   const auto is_good = [&](std::size_t v) {
-    return is_finite(mesh.positions[v]) && (atom_of(v) == kNoSphere || atom_of(v) < colors);
+    return is_finite(view.position(v)) && (atom_of(v) == kNoSphere || atom_of(v) < colors);
   };
   std::atomic<bool> all_good = true;
   for_each_index(mesh.vertex_count(), [&](std::size_t v) {
@@ -52,7 +54,7 @@ void check_writable(const formats::MeshView& view) {
   if (all_good) return;
   std::size_t v = 0;
   while (is_good(v)) ++v;
-  const Vec3d& p = mesh.positions[v];
+  const Vec3d p = view.position(v);
   if (!is_finite(p)) throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v, p.x, p.y, p.z));
   throw InvalidInput(
       fmt::format("vertex {} lies on sphere {}, but there are {} colours", v, atom_of(v), colors));
@@ -224,16 +226,20 @@ MeshFormat mesh_format(const fs::path& path) {
 
 std::vector<std::string> write_mesh(const IndexedMesh& mesh, const fs::path& path,
                                     std::span<const RgbColor> sphere_colors, const Monitor* monitor,
-                                    MeshEncoding encoding) {
-  return write({.mesh = mesh, .sphere_colors = sphere_colors, .encoding = encoding}, path, monitor);
+                                    MeshEncoding encoding, double scale) {
+  return write({.mesh = mesh, .sphere_colors = sphere_colors, .encoding = encoding, .scale = scale},
+               path, monitor);
 }
 
 std::vector<std::string> write_mesh(const PatchedMesh& mesh, const fs::path& path,
                                     std::span<const RgbColor> sphere_colors, const Monitor* monitor,
-                                    MeshEncoding encoding) {
-  return write(
-      {.mesh = mesh.mesh, .sphere_colors = sphere_colors, .patches = &mesh, .encoding = encoding},
-      path, monitor);
+                                    MeshEncoding encoding, double scale) {
+  return write({.mesh = mesh.mesh,
+                .sphere_colors = sphere_colors,
+                .patches = &mesh,
+                .encoding = encoding,
+                .scale = scale},
+               path, monitor);
 }
 
 bool holds_several_meshes(MeshFormat format) {

@@ -39,7 +39,9 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 //   GLB: float32 relative to the middle of the mesh, which the translation of the node restores;
 //        colours in linear light, which glTF wants, on a material that is no metal.
 //   MSH (.msh, .msh2: version 2.2; .msh4: 4.1), VTP, VTU: text, with the atom of each triangle.
-//   3MF: text in an archive, in millimetres: 1 Å is 1 mm.
+//   3MF: text in an archive, in millimetres: 1 Å is `scale` mm.
+// Coordinates are multiplied by `scale`, so 0.1 writes nm and 1 Å; all formats but OFF say so where
+// it is not 1. It must be finite and above 0.
 // Returns warnings for people: coordinates that move by more than 1e-4 Å when they become float32
 // (binary STL, GLB), and triangles of which two corners become equal (binary STL).
 // A vertex has the colour of its atom, sphere_colors[i] for sphere i, and kPlainColor without an
@@ -50,12 +52,13 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 std::vector<std::string> write_mesh(const IndexedMesh& mesh, const std::filesystem::path& path,
                                     std::span<const RgbColor> sphere_colors = {},
                                     const Monitor* monitor = nullptr,
-                                    MeshEncoding encoding = MeshEncoding::binary);
+                                    MeshEncoding encoding = MeshEncoding::binary, double scale = 1);
 // PLY and MSH say which patch each triangle is part of, PLY alone the curvatures of the vertices.
 std::vector<std::string> write_mesh(const PatchedMesh& mesh, const std::filesystem::path& path,
                                     std::span<const RgbColor> sphere_colors = {},
                                     const Monitor* monitor = nullptr,
-                                    MeshEncoding encoding = MeshEncoding::binary);
+                                    MeshEncoding encoding = MeshEncoding::binary, double scale = 1);
+
 // One of several meshes of a file, such as a pocket, whose triangles belong to parts with names.
 struct NamedMesh {
   std::string name;

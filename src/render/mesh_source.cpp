@@ -19,6 +19,7 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kPerBlock = std::size_t{1} << 15;  // triangles or vertices per block
+constexpr std::uint8_t kWholeSky = 255;                  // as a vertex of the buffer has it
 
 bool is_finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -204,7 +205,7 @@ const ColorScale* MeshSource::scale() const {
 // The difference of positions is taken in double before it becomes float, which keeps the digits of
 // vertices far from the coordinate origin.
 void MeshSource::write_vertices(std::span<SurfaceVertex> vertices, const Vec3d& origin) const {
-  const Vec3f* normals = normals_.empty() ? mesh_.normals.data() : normals_.data();
+  const Vec3f* normals = this->normals();
   const auto* one = std::get_if<Rgb>(&paint_);
   const auto* colors = std::get_if<VertexColors>(&paint_);
   const auto* values = std::get_if<VertexValues>(&paint_);
@@ -213,10 +214,16 @@ void MeshSource::write_vertices(std::span<SurfaceVertex> vertices, const Vec3d& 
     const std::array<std::uint8_t, 3> bytes = to_bytes(color);
     vertices[v] = {cast<float>(mesh_.positions[v] - origin),
                    normals[v],
-                   {bytes[0], bytes[1], bytes[2], 255},
+                   {bytes[0], bytes[1], bytes[2], sky_.empty() ? kWholeSky : to_byte(sky_[v])},
                    values ? values->values[v] : 0};
   });
 }
+
+const Vec3f* MeshSource::normals() const {
+  return normals_.empty() ? mesh_.normals.data() : normals_.data();
+}
+
+void MeshSource::shade() { sky_ = visible_sky(mesh_, {normals(), mesh_.vertex_count()}, *this); }
 
 void MeshSource::write_triangles(std::span<Triangle> triangles) const {
   std::ranges::copy(mesh_.triangles, triangles.begin());

@@ -24,6 +24,10 @@ struct Material {
   float shininess = 40;  // exponent of the highlight
 };
 
+// For surfaces that know how much of the sky they see (MeshSource::shade()): most of the light
+// comes from there, and little from the one direction.
+inline constexpr Material kSkyLight{0.8f, 0.5f, 0.08f, 40};
+
 struct RenderOptions {
   int width = 1200, height = 900;  // pixels
   View view;
@@ -36,6 +40,12 @@ struct RenderOptions {
   Vec3f light{-0.45f, 0.6f, 1.0f};
   // If there is no value, the background is transparent.
   std::optional<Rgb> background{{1, 1, 1}};
+  // The share of the light from behind that each layer of the surface keeps back, above 0. Below 1
+  // all layers are drawn, and each lets the rest through.
+  double opacity = 1;
+  // The width of black lines where the surface ends in front of what is farther, as a share of the
+  // picture's smaller side; on a dark background they are white. 0: there are no lines.
+  double outline = 0;
   // Antialiasing: a pixel is the mean of samples_per_axis² samples. From 1 to 8.
   int samples_per_axis = 3;
   std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes, of the buffers and the picture

@@ -50,6 +50,8 @@ class MeshSource final : public SurfaceExtent {
   PaintKind paint() const;
   // The scale of the values; null if colours are painted.
   const ColorScale* scale() const;
+  // Finds out how much of the sky each vertex sees; without it, all see it whole.
+  void shade();
   // Write all elements of a buffer. Positions are stored relative to `origin` (Å). Values of
   // triangles are written only if these are painted.
   void write_vertices(std::span<SurfaceVertex> vertices, const Vec3d& origin) const;
@@ -60,12 +62,23 @@ class MeshSource final : public SurfaceExtent {
   const IndexedMesh& mesh_;
   Paint paint_;
   Moments moments_;
-  Buffer<Vec3f> normals_;  // empty: the mesh's own normals serve
+  const Vec3f* normals() const;
+
+  Buffer<Vec3f> normals_;   // empty: the mesh's own normals serve
+  std::vector<float> sky_;  // empty: 1 everywhere
 };
 
 // Unit normals at the vertices: the mean of the normals of the triangles around a vertex, weighted
 // by their angles there (G. Thürmer and C. A. Wüthrich, "Computing Vertex Normals from Polygonal
 // Facets", JGT 3, 1998). The normal is (0, 0, 1) if they cancel or there are none.
 Buffer<Vec3f> vertex_normals(const IndexedMesh& mesh);
+
+// The share of the light of an even sky that reaches each vertex past the rest of the mesh: the
+// mean over all directions of the half-space outside, weighted by their cosines with the normal
+// (ambient occlusion; S. Zhukov, A. Iones and G. Kronin, 1998). What is nearer than about 1/170 of
+// the mesh's width throws no shadow. `normals` has one of non-zero length for each vertex; `extent`
+// is that of the mesh. Vertices without triangles have 1.
+std::vector<float> visible_sky(const IndexedMesh& mesh, std::span<const Vec3f> normals,
+                               const SurfaceExtent& extent);
 
 }  // namespace vdwmesh

@@ -24,7 +24,8 @@ DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
 UNSEEN = {"--ascii", "--csv", "--sums", "--hetatm", "--preset", "--isovalue", "--blobbiness", "--crossings", "--seed", "--cgal-check", "--devices",
           "--camera", "--shading", "--antialias", "--rows", "--time-limit", "--page-triangles", "--edge-lengths",
           "--relative-edge", "--padding", "--progress", "--project", "--scan", "--shell", "--from", "--method",
-          "--write", "--b-factor", "--rsa", "--max-distance", "--mesh"}  # fmt: skip
+          "--write", "--b-factor", "--rsa", "--max-distance", "--transparency", "--outline", "--ambient-occlusion", "--scale",
+          "--mesh"}  # fmt: skip
 
 
 def is_required(variable):

@@ -6,6 +6,7 @@ import locale
 import re
 import subprocess
 import unittest
+import zipfile
 
 from program import SOURCE_DIR, ProgramTest, missing, need_package, parse_json
 
@@ -117,7 +118,7 @@ class ForeignReaders(ProgramTest):
                     mesh = parse_json(json_path.read_text())["mesh"]
                     self.assert_the_same(read(path, extension), mesh, extension)
 
-    def assert_the_same(self, found, mesh, extension):
+    def assert_the_same(self, found, mesh, extension, scale=1):
         if extension == "stl":
             found = found.welded()
         self.assertEqual(len(found.points), mesh["vertices"])
@@ -126,8 +127,8 @@ class ForeignReaders(ProgramTest):
         self.assertEqual(found.is_closed_and_oriented(), mesh["closed"] and mesh["oriented"])
         # Coordinates of up to 50 Å in float32 on edges of 0.3 Å; VTK and meshio read PLY and OBJ
         # into float32 as well.
-        self.assert_close(found.area(), mesh["area"], 1e-5)
-        self.assert_close(found.volume(), mesh["volume"], 1e-5)
+        self.assert_close(found.area(), scale**2 * mesh["area"], 1e-5)
+        self.assert_close(found.volume(), scale**3 * mesh["volume"], 1e-5)
 
     def test_meshio(self):
         meshio = need_package("python3-meshio", module="meshio")
@@ -144,6 +145,50 @@ class ForeignReaders(ProgramTest):
     def test_assimp(self):
         assimp = need_package("assimp-utils", program="assimp")
         self.check(ASSIMP_FORMATS, lambda path, _: read_by_assimp(assimp, path))
+
+    def test_scaled_files(self):
+        """Readers of all formats find N times the lengths, so N² times the area; the report stays in Å. Files say their unit."""
+        meshio = need_package("python3-meshio", module="meshio")
+        assimp = need_package("assimp-utils", program="assimp")
+        gmsh = need_package("gmsh", program="gmsh")
+        def by_gmsh(path):  # which takes the section with the unit for a comment
+            out = path.with_suffix(".gmsh.stl")
+            told = subprocess.run([gmsh, path, "-0", "-o", out], capture_output=True, text=True, check=True)
+            self.assertNotRegex(told.stdout, "Warning|Error")
+            return read_by_meshio(meshio, out).welded()
+
+        readers = {"msh": by_gmsh, "msh4": by_gmsh}
+        readers |= {name: lambda path: read_by_meshio(meshio, path) for name in ("ply", "obj", "off", "stl", "vtu")}
+        readers |= {name: lambda path: read_by_assimp(assimp, path) for name in ("glb", "3mf")}
+        json_path = self.folder / "a.json"
+        for scale in (0.1, 2500):
+            for name, read in readers.items():
+                with self.subTest(scale=scale, format=name):
+                    path = self.folder / f"a.{name}"
+                    self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, "--scale", scale, *SURFACES["marching cubes"])
+                    report = parse_json(json_path.read_text())
+                    self.assert_the_same(read(path), report["mesh"], name, scale)
+                    self.assertTrue(any(f"1 Å is {scale}" in note for note in report["notes"]))
+                    packed = zipfile.ZipFile(path).read("3D/3dmodel.model") if name == "3mf" else path.read_bytes()
+                    self.assertEqual(f"1 angstrom is {scale}".encode() in packed, name != "off")
+        self.run_ok("mesh", MOLECULE, "-o", self.folder / "a.vtp", "--scale", 2500, *SURFACES["marching cubes"])
+        vtp = (self.folder / "a.vtp").read_text().replace("PolyData", "UnstructuredGrid")
+        points = re.search(r"<Points>.*</Points>", vtp, re.S)
+        self.assertIn(points[0], (self.folder / "a.vtu").read_text())
+
+    def test_scaled_curvatures(self):
+        """A sphere of radius r has the curvatures 1/r and 1/r², in the lengths of the file."""
+        ball = self.file("ball.xyzr", "0 0 0 2\n")
+        for scale in (1, 0.1, 50):
+            path = self.folder / "ball.ply"
+            self.run_ok("mesh", ball, "-o", path, "--surface", "ses", "--scale", scale, "--ascii")
+            header, body = path.read_text().split("end_header\n")
+            names = re.findall(r"property \w+ (\w+)", header.split("element face")[0])
+            row = dict(zip(names, map(float, body.split("\n")[0].split())))
+            radius = scale * 2
+            self.assert_close(length((row["x"], row["y"], row["z"])), radius, 1e-6)
+            self.assert_close(row["mean_curvature"], 1 / radius, 1e-6)
+            self.assert_close(row["gaussian_curvature"], 1 / radius**2, 1e-6)
 
     def test_msh_and_vtp_have_the_atoms(self):
         """As PLY, whose properties the report of a reader of ours is made of."""

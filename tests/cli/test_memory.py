@@ -4,6 +4,7 @@ import hashlib
 import os
 import subprocess
 import unittest
+import zipfile
 
 from program import DONE, LIMIT_HIT, PROGRAM, SANITIZED, UBIQUITIN, ProgramTest, parse_json
 
@@ -112,6 +113,17 @@ class MemoryLimits(ProgramTest):
 
     def test_exact_measures(self):
         self.holds("exact", UBIQUITIN, "--method", "cgal", "--per-atom", self.folder / "a.csv", result="a.csv")
+
+    def test_text_that_is_packed_is_never_whole(self):
+        """3MF takes the memory of PLY: blocks of its text, not the text. Python's unpacker finds the checksum of them all."""
+        peaks = {}
+        for name in ("a.ply", "a.3mf"):
+            code, peaks[name], errors = self.measured("mesh", UBIQUITIN, "--edge-length", "0.2", "-o", self.folder / name)
+            self.assertEqual(code, DONE, errors)
+        with zipfile.ZipFile(self.folder / "a.3mf") as archive:
+            text = archive.getinfo("3D/3dmodel.model").file_size
+            self.assertIsNone(archive.testzip())
+        self.assertLess(peaks["a.3mf"], peaks["a.ply"] + text / 4)
 
     def test_estimates(self):
         json = self.folder / "a.json"

@@ -98,9 +98,10 @@ class Render(PictureTest):
 
     def test_the_same_picture_twice_is_the_same_file(self):
         first, second = self.folder / "1.png", self.folder / "2.png"
-        for path, threads in ((first, "1"), (second, "2")):
-            self.run_ok("render", "--sample", "bpti", *SMALL, "--threads", threads, "-o", path)
-        self.assertEqual(first.read_bytes(), second.read_bytes())
+        for look in ((), ("--transparency", "0.4", "--outline", "--ambient-occlusion")):
+            for path, threads in ((first, "1"), (second, "2")):
+                self.run_ok("render", "--sample", "bpti", *SMALL, *look, "--threads", threads, "-o", path)
+            self.assertEqual(first.read_bytes(), second.read_bytes())
 
     def test_options_change_the_picture(self):
         pictures = set()
@@ -114,11 +115,14 @@ class Render(PictureTest):
             ("--color", "distance", "--color-range=-1,1"),
             ("--color", "#4080c0"),
             ("--background", "black"),
+            ("--transparency", "50%"),
+            ("--outline",),
+            ("--ambient-occlusion",),
         ):
             path = self.folder / "picture.png"
             self.run_ok("render", "--sample", "bpti", *SMALL, *options, "-o", path)
             pictures.add(path.read_bytes())
-        self.assertEqual(len(pictures), 9)
+        self.assertEqual(len(pictures), 12)
 
     def two_residues(self, first, second):
         """Two balls side by side along x: chains A and B of one residue each."""
@@ -296,6 +300,41 @@ class Meanings(PictureTest):
             self.assertLessEqual(max(abs(a - b) for a, b in zip(rows[0][0], corner)), 1)
             red, green, blue = rows[30][40]
             self.assertTrue(red > 100 and green == blue < red / 2, rows[30][40])
+
+    def test_transparency_is_what_two_layers_let_through(self):
+        """A ball has a front and a back. Without a background, alpha says what they keep back together."""
+        ball = self.ball("a.xyzr", 2)
+        size = ("--size", "80x60", "--background", "transparent")
+        for words in ("0.5", "50%", "0.9", "0", "0.000001"):
+            share = float(words[:-1]) / 100 if words.endswith("%") else float(words)
+            for shading in ("pixel", "gouraud"):
+                rows = self.picture("render", ball, *size, "--transparency", words, "--shading", shading)[2]
+                alpha = rows[30][40][3] if len(rows[30][40]) == 4 else 255
+                self.assertAlmostEqual(alpha, 255 * (1 - share**2), delta=0.51)
+        for words in ("1", "2", "100%", "-0.1", "half"):
+            self.assert_refused(BAD_INPUT, "render", ball, "-o", self.folder / "p.png", "--transparency", words,
+                                says=("--transparency",))  # fmt: skip
+
+    def test_outline_is_around_the_ball_and_nowhere_else(self):
+        """Black on white and white on black, as a ring at the border of the disc."""
+        ball = self.ball("a.xyzr", 2)
+        size = ("--size", "300x300", "--color", "#80c0ff", "--antialias", "1")
+        for background, ink in (("white", (0, 0, 0)), ("black", (255, 255, 255))):
+            row = self.picture("render", ball, *size, "--background", background, "--outline")[2][150]
+            inked = {x for x, pixel in enumerate(row) if pixel == ink}
+            sides = {x // 150 for x in inked}
+            self.assertEqual(sides, {0, 1}, inked)  # 4 % of 300 is 12; the ball itself falls off steeply there
+            self.assertTrue(all(11 <= x <= 14 or 285 <= x <= 288 for x in inked), inked)
+
+    def test_ambient_occlusion_darkens_a_hole(self):
+        """Two balls that touch, seen from the side: their crease is dark, unlike with light from one side alone."""
+        pair = self.file("pair.xyzr", "0 0 0 2\n3.9 0 0 2\n")
+        look = ("--size", "200x120", "--view", "z", "--color", "white", "--background", "#000001")
+        level = {}
+        for light in ((), ("--ambient-occlusion",)):
+            rows = self.picture("render", pair, *look, *light)[2]
+            level[light] = sum(rows[60][100]) / sum(rows[60][60])  # the crease, and the middle of a ball
+        self.assertLess(level[("--ambient-occlusion",)], 0.8 * level[()])
 
     def test_gouraud_lights_the_vertices_alone(self):
         """Between the vertices of a coarse ball the highlight is missed."""

@@ -331,6 +331,13 @@ class SameAsProgramTest(ProgramTest):
         self.assertTrue((self.folder / "t.stl").read_text().startswith("solid "))
         with self.assertRaisesRegex(vdwmesh.InvalidInput, "ascii"):
             mesh.save(self.folder / "t.glb", ascii=True)
+        mesh.save(self.folder / "n.ply", scale=0.5)
+        block = self.report("compare", self.folder / "n.ply", UBIQUITIN, "--distances", "off")["mesh"]
+        self.assert_close(block["area"], mesh.area / 4, 1e-12)
+        self.assert_close(block["volume"], mesh.volume / 8, 1e-12)
+        for scale in (0, -1, float("nan")):
+            with self.assertRaisesRegex(vdwmesh.InvalidInput, "scale"):
+                mesh.save(self.folder / "n.ply", scale=scale)
 
 
 def distance_to_sphere(x, y, z, radius):

@@ -20,6 +20,9 @@ inline constexpr double kNoticeableLoss = 1e-4;
 
 class FloatLoss {
  public:
+  // `scale` is the length in the file for 1 Å.
+  explicit FloatLoss(double scale) : scale_(scale) {}
+
   // Returns p rounded to float. A coordinate beyond the range of float becomes infinite, which
   // finish() reports.
   Vec3f round(const Vec3d& p) {
@@ -33,15 +36,16 @@ class FloatLoss {
   void finish(const char* format, std::vector<std::string>& warnings) const {
     if (largest_ > std::numeric_limits<double>::max())
       throw InvalidInput(fmt::format("coordinates are beyond the range of {}'s float32", format));
-    if (largest_ > kNoticeableLoss)
+    if (largest_ > kNoticeableLoss * scale_)
       warnings.push_back(
           fmt::format("{} keeps coordinates as float32: they moved by up to {:.1e} Å; PLY keeps "
                       "all digits",
-                      format, largest_));
+                      format, largest_ / scale_));
   }
 
  private:
-  double largest_ = 0;  // Å, over all coordinates so far; infinite after an overflow
+  double scale_;
+  double largest_ = 0;  // as in the file, over all coordinates so far; infinite after an overflow
 };
 
 }  // namespace vdwmesh::formats

@@ -32,7 +32,10 @@ struct MeshView {
   std::span<const RgbColor> sphere_colors = {};  // by sphere; empty: all are kPlainColor
   const PatchedMesh* patches = nullptr;          // null: the mesh knows no patches
   MeshEncoding encoding = MeshEncoding::binary;
+  double scale = 1;  // lengths in the file for 1 Å
 
+  // Where the file has vertex v, in its own unit of length.
+  Vec3d position(std::size_t v) const { return scale * mesh.positions[v]; }
   RgbColor color(std::size_t v) const {
     if (!vertex_colors.empty()) return vertex_colors[v];
     if (sphere_colors.empty() || mesh.vertex_spheres.empty()) return kPlainColor;
@@ -40,6 +43,11 @@ struct MeshView {
     return atom == kNoSphere ? kPlainColor : sphere_colors[atom];
   }
 };
+
+// What a file says about its lengths.
+inline std::string unit_text(double scale) {
+  return scale == 1 ? "lengths in angstrom" : fmt::format("lengths: 1 angstrom is {}", scale);
+}
 
 void write_ply(const MeshView& view, ByteSink& sink);
 void write_obj(const MeshView& view, ByteSink& sink);

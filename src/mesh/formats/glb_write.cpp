@@ -28,10 +28,11 @@ using Json = nlohmann::json;
 // An upper bound of the JSON, with the headers. Its length depends on the mesh by few numbers only.
 constexpr std::uint64_t kMaxJsonBytes = 4096;
 
-// The bounding box of all vertices; a mesh without any has a box at the origin.
-Box box_of(const IndexedMesh& mesh) {
-  if (mesh.vertex_count() == 0) return {{0, 0, 0}, {0, 0, 0}};
-  return box_around(mesh.positions);
+// The bounding box of all vertices as in the file; a mesh without any has a box at the origin.
+Box box_of(const MeshView& view) {
+  if (view.mesh.vertex_count() == 0) return {{0, 0, 0}, {0, 0, 0}};
+  const Box box = box_around(view.mesh.positions);
+  return {view.scale * box.lower, view.scale * box.upper};
 }
 
 // Bytes of the four arrays: positions, normals, colours, corners of the triangles.
@@ -97,11 +98,14 @@ void describe_arrays(const IndexedMesh& mesh, const Box& box, Json& json) {
 }
 
 // The JSON chunk.
-std::string json_of(const IndexedMesh& mesh, const Box& box) {
-  Json json{{"asset", {{"version", "2.0"}, {"generator", "vdwmesh; lengths in angstrom"}}},
-            {"scene", 0},
-            {"scenes", {{{"nodes", {0}}}}},
-            {"nodes", {{{"translation", as_json(middle(box))}}}}};
+std::string json_of(const MeshView& view, const Box& box) {
+  const IndexedMesh& mesh = view.mesh;
+  Json json{
+      {"asset",
+       {{"version", "2.0"}, {"generator", fmt::format("vdwmesh; {}", unit_text(view.scale))}}},
+      {"scene", 0},
+      {"scenes", {{{"nodes", {0}}}}},
+      {"nodes", {{{"translation", as_json(middle(box))}}}}};
   if (mesh.triangle_count() > 0) {  // glTF has no empty buffers
     describe_arrays(mesh, box, json);
     json["nodes"][0]["mesh"] = 0;
@@ -129,9 +133,9 @@ void write_arrays(const MeshView& view, const Vec3d& origin, ChunkWriter& out, W
     }
   };
   const IndexedMesh& mesh = view.mesh;
-  FloatLoss loss;
+  FloatLoss loss(view.scale);
   for_each(mesh.vertex_count(),
-           [&](std::size_t v) { out.raw(loss.round(mesh.positions[v] - origin)); });
+           [&](std::size_t v) { out.raw(loss.round(view.position(v) - origin)); });
   loss.finish("GLB", warnings);
   for_each(mesh.vertex_count(), [&](std::size_t v) { out.raw(view.normals[v]); });
   const std::array<std::uint16_t, 256> linear = linear_colors();
@@ -147,8 +151,8 @@ void write_arrays(const MeshView& view, const Vec3d& origin, ChunkWriter& out, W
 void write_glb(const MeshView& view, ByteSink& sink, Warnings& warnings) {
   const IndexedMesh& mesh = view.mesh;
   check_size(mesh);
-  const Box box = box_of(mesh);
-  const std::string json = json_of(mesh, box);
+  const Box box = box_of(view);
+  const std::string json = json_of(view, box);
   const std::uint64_t binary = mesh.triangle_count() > 0 ? binary_size(mesh) : 0;
   sink.expect(kHeaderSize + 2 * kChunkHeaderSize + json.size() + binary);
   ChunkWriter out(sink);

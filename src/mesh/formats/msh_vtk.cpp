@@ -32,8 +32,8 @@ void write_lines(ByteSink& sink, std::size_t count, const Numbers& numbers) {
   });
 }
 
-std::array<double, 3> place(const IndexedMesh& mesh, std::size_t v) {
-  const Vec3d& p = mesh.positions[v];
+std::array<double, 3> place(const MeshView& view, std::size_t v) {
+  const Vec3d p = view.position(v);
   return {p.x, p.y, p.z};
 }
 
@@ -80,11 +80,17 @@ std::vector<GmshSurface> gmsh_surfaces(const MeshView& view, std::vector<std::ui
     const auto tags = tags_of(view, order[first]);
     Box box = empty_box();
     for (; end < order.size() && surface_of(order[end]) == tags[1]; ++end) {
-      for (const std::uint32_t v : mesh.triangles[order[end]]) include(box, mesh.positions[v]);
+      for (const std::uint32_t v : mesh.triangles[order[end]]) include(box, view.position(v));
     }
     surfaces.push_back({tags, std::span(order).subspan(first, end - first), box});
   }
   return surfaces;
+}
+
+// A section that Gmsh skips, for lengths that are not in Å.
+std::string unit_of_gmsh(const MeshView& view) {
+  if (view.scale == 1) return "";
+  return fmt::format("$Comments\n{}\n$EndComments\n", unit_text(view.scale));
 }
 
 // One array of a VTP file; line(i) is an array of numbers.
@@ -119,13 +125,14 @@ void write_vtk(const MeshView& view, ByteSink& sink, const VtkNames& names) {
   const std::size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
   // An estimate: three floats and three doubles per vertex, and five 7-digit numbers per triangle.
   sink.expect(93 * vertices + 42 * triangles);
-  write_text(sink, fmt::format("<?xml version=\"1.0\"?>\n"
-                               "<!-- made by vdwmesh; lengths in angstrom -->\n"
-                               "<VTKFile type=\"{0}\" version=\"1.0\" "
-                               "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-                               "<{0}><Piece NumberOfPoints=\"{1}\" {2}=\"{3}\">\n"
-                               "<PointData Normals=\"normals\">\n",
-                               names.grid, vertices, names.counter, triangles));
+  write_text(sink,
+             fmt::format("<?xml version=\"1.0\"?>\n"
+                         "<!-- made by vdwmesh; {4} -->\n"
+                         "<VTKFile type=\"{0}\" version=\"1.0\" "
+                         "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+                         "<{0}><Piece NumberOfPoints=\"{1}\" {2}=\"{3}\">\n"
+                         "<PointData Normals=\"normals\">\n",
+                         names.grid, vertices, names.counter, triangles, unit_text(view.scale)));
   write_array(sink, "type=\"Float32\" Name=\"normals\" NumberOfComponents=\"3\"", vertices,
               [&](std::size_t v) {
                 const Vec3f& n = view.normals[v];
@@ -141,7 +148,7 @@ void write_vtk(const MeshView& view, ByteSink& sink, const VtkNames& names) {
     });
   write_text(sink, "</CellData>\n<Points>\n");
   write_array(sink, "type=\"Float64\" NumberOfComponents=\"3\"", vertices,
-              [&](std::size_t v) { return place(mesh, v); });
+              [&](std::size_t v) { return place(view, v); });
   write_text(sink, fmt::format("</Points>\n<{}>\n", names.cells));
   write_corners(mesh, sink, names);
   write_text(sink, fmt::format("</{}>\n</Piece></{}>\n</VTKFile>\n", names.cells, names.grid));
@@ -154,11 +161,11 @@ void write_msh(const MeshView& view, ByteSink& sink) {
   // An estimate: three doubles of about 18 characters and a 7-digit number per vertex, and per
   // triangle eight numbers, four of which have 7 digits.
   sink.expect(66 * mesh.vertex_count() + 52 * mesh.triangle_count());
-  write_text(
-      sink, fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.vertex_count()));
+  write_text(sink, fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{}$Nodes\n{}\n",
+                               unit_of_gmsh(view), mesh.vertex_count()));
   write_records(sink, mesh.vertex_count(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {
     out.number(v + 1);
-    for (const double x : place(mesh, v)) {
+    for (const double x : place(view, v)) {
       out.character(' ');
       out.number(x);
     }
@@ -189,7 +196,8 @@ void write_msh4(const MeshView& view, ByteSink& sink) {
   const std::vector<GmshSurface> surfaces = gmsh_surfaces(view, order);
   // An estimate as that of version 2.2, without the tags of triangles.
   sink.expect(66 * vertices + 36 * triangles);
-  write_text(sink, "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n");
+  write_text(
+      sink, fmt::format("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{}$Entities\n", unit_of_gmsh(view)));
   write_text(sink, fmt::format("0 0 {} 0\n", surfaces.size()));
   for (const auto& [tags, _, box] : surfaces) {
     const Vec3d &a = box.lower, &b = box.upper;
@@ -199,7 +207,7 @@ void write_msh4(const MeshView& view, ByteSink& sink) {
   const std::int64_t home = surfaces.empty() ? 1 : surfaces.front().tags[1];
   write_text(sink, fmt::format("$EndEntities\n$Nodes\n1 {0} 1 {0}\n2 {1} 0 {0}\n", vertices, home));
   write_lines(sink, vertices, [](std::size_t v) { return std::array{v + 1}; });
-  write_lines(sink, vertices, [&](std::size_t v) { return place(mesh, v); });
+  write_lines(sink, vertices, [&](std::size_t v) { return place(view, v); });
   write_text(sink,
              fmt::format("$EndNodes\n$Elements\n{0} {1} 1 {1}\n", surfaces.size(), triangles));
   for (const GmshSurface& surface : surfaces) {

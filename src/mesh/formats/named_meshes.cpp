@@ -150,7 +150,7 @@ class PartsWriter {
 
   // In the order of describe().
   void write_arrays(Warnings& warnings) {
-    FloatLoss loss;
+    FloatLoss loss(1);
     const auto write = [&](const auto& array, const auto& convert) {
       for (const auto& element : array) {
         out_.begin_record();

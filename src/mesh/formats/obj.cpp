@@ -140,8 +140,8 @@ void write_obj(const MeshView& view, ByteSink& sink) {
   const IndexedMesh& mesh = view.mesh;
   // An estimate for full doubles and floats per vertex, and six 7-digit indices per face.
   sink.expect(96 * mesh.vertex_count() + 52 * mesh.triangle_count());
-  constexpr std::string_view kHeader = "# made by vdwmesh; lengths in angstrom\n";
-  sink.write(kHeader.data(), kHeader.size());
+  const std::string header = fmt::format("# made by vdwmesh; {}\n", unit_text(view.scale));
+  sink.write(header.data(), header.size());
   constexpr std::size_t kMostPerVector = 3 * (RecordBytes::kMostPerNumber + 1) + 3;
   // "f" and three times " 4294967295//4294967295".
   constexpr std::size_t kMostPerFace = 3 * (2 * RecordBytes::kMostPerNumber + 3) + 2;
@@ -155,9 +155,8 @@ void write_obj(const MeshView& view, ByteSink& sink) {
     }
     out.character('\n');
   };
-  write_records(sink, mesh.vertex_count(), kMostPerVector, [&](RecordBytes& out, std::size_t v) {
-    write_vector(out, ' ', mesh.positions[v]);
-  });
+  write_records(sink, mesh.vertex_count(), kMostPerVector,
+                [&](RecordBytes& out, std::size_t v) { write_vector(out, ' ', view.position(v)); });
   write_records(sink, mesh.vertex_count(), kMostPerVector,
                 [&](RecordBytes& out, std::size_t v) { write_vector(out, 'n', view.normals[v]); });
   write_records(sink, mesh.triangle_count(), kMostPerFace, [&](RecordBytes& out, std::size_t f) {

@@ -168,8 +168,9 @@ void write_off(const MeshView& view, ByteSink& sink) {
   sink.write(header.data(), header.size());
   constexpr std::size_t kMostPerLine = 3 * (RecordBytes::kMostPerNumber + 1) + 2;
   write_records(sink, mesh.vertex_count(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {
+    const Vec3d p = view.position(v);
     for (int k = 0; k < 3; ++k) {
-      out.number(mesh.positions[v][k]);
+      out.number(p[k]);
       out.character(k < 2 ? ' ' : '\n');
     }
   });

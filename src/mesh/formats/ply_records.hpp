@@ -34,16 +34,17 @@ constexpr std::uint64_t ply_face_bytes(TriangleLabels labels) {
 enum class PatchLabels : std::uint8_t { none, patches };
 inline constexpr std::uint64_t kPlyCurvatureBytes = 8, kPlyPatchBytes = 13;
 
-// The header of a mesh of this size, up to the byte before the first vertex.
+// The header of a mesh of this size, up to the byte before the first vertex. `scale` is the length
+// in the file for 1 Å.
 std::string ply_header(const MeshSize& size, TriangleLabels labels,
                        PatchLabels patches = PatchLabels::none,
-                       MeshEncoding encoding = MeshEncoding::binary);
+                       MeshEncoding encoding = MeshEncoding::binary, double scale = 1);
 
 // The number of a sphere in the file. It is an int, so that -1 can stand for kNoSphere. Throws
 // LimitExceeded for a number beyond PLY's int.
 std::int32_t ply_sphere(SphereId id);
 
-// Writes a vertex. The arguments are arrays or vectors of three elements each: the position in Å,
+// Writes a vertex. The arguments are arrays or vectors of three elements each: the position,
 // the normal, the colour as bytes, and the spheres that the vertex lies on.
 template <class Out, class Position, class Normal, class Color>
 void write_ply_vertex(Out& out, const Position& position, const Normal& normal, const Color& color,

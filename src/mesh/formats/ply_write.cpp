@@ -15,13 +15,13 @@
 namespace vdwmesh::formats {
 namespace {
 
-// A format string for eight values: form of the file, comments on faces and on patches, number of
-// vertices, curvatures of vertices, number of faces, type of their indices, properties of faces.
-// Texts are empty for what the mesh does not have: spheres of triangles, or patches.
+// A format string for nine values: form of the file, its unit, comments on faces and on patches,
+// number of vertices, curvatures of vertices, number of faces, type of their indices, properties of
+// faces. Texts are empty for what the mesh does not have: spheres of triangles, or patches.
 constexpr const char* kHeader =
     "ply\n"
     "format {} 1.0\n"
-    "comment made by vdwmesh; lengths in angstrom\n"
+    "comment made by vdwmesh; {}\n"
     "comment atom, sphere2, sphere3: indices of the spheres a vertex lies on, -1 for none\n"
     "{}{}"
     "element vertex {}\n"
@@ -49,8 +49,8 @@ constexpr const char* kPatchComment =
     "comment patch_kind of a face: 0 contact, 1 saddle, 2 concave\n"
     "comment patch_atom1, patch_atom2, patch_atom3 of a face: indices of the spheres that make its "
     "patch, -1 for none\n"
-    "comment mean_curvature, gaussian_curvature of a vertex: 1/angstrom, 1/angstrom^2, positive "
-    "where the surface is convex\n";
+    "comment mean_curvature, gaussian_curvature of a vertex: 1/{0}, 1/{0}^2, positive where the "
+    "surface is convex\n";
 constexpr const char* kCurvatureProperties =
     "property float mean_curvature\n"
     "property float gaussian_curvature\n";
@@ -63,12 +63,13 @@ constexpr const char* kPatchProperties =
 }  // namespace
 
 std::string ply_header(const MeshSize& size, TriangleLabels labels, PatchLabels patches,
-                       MeshEncoding encoding) {
+                       MeshEncoding encoding, double scale) {
   const bool labelled = labels == TriangleLabels::spheres;
   const bool patched = patches == PatchLabels::patches;
+  const std::string patch_comment = fmt::format(kPatchComment, scale == 1 ? "angstrom" : "length");
   return fmt::format(kHeader, encoding == MeshEncoding::text ? "ascii" : "binary_little_endian",
-                     labelled ? kFaceComment : "", patched ? kPatchComment : "", size.vertices,
-                     patched ? kCurvatureProperties : "", size.triangles,
+                     unit_text(scale), labelled ? kFaceComment : "", patched ? patch_comment : "",
+                     size.vertices, patched ? kCurvatureProperties : "", size.triangles,
                      size.vertices <= kMostIntPlyVertices ? "int" : "uint",
                      labelled ? kFaceProperty : "", patched ? kPatchProperties : "");
 }
@@ -105,7 +106,7 @@ void write_ply(const MeshView& view, ByteSink& sink) {
   const TriangleLabels labels = mesh.triangle_labels();
   const std::string header =
       ply_header({mesh.vertex_count(), mesh.triangle_count()}, labels,
-                 patched ? PatchLabels::patches : PatchLabels::none, view.encoding);
+                 patched ? PatchLabels::patches : PatchLabels::none, view.encoding, view.scale);
   const std::uint64_t vertex_bytes = kPlyVertexBytes + (patched ? kPlyCurvatureBytes : 0);
   const std::uint64_t face_bytes = ply_face_bytes(labels) + (patched ? kPlyPatchBytes : 0);
   const std::uint64_t times = view.encoding == MeshEncoding::text ? 2 : 1;  // about
@@ -116,10 +117,10 @@ void write_ply(const MeshView& view, ByteSink& sink) {
   const VertexCurvatures curvatures = patched ? vertex_curvatures(*patched) : VertexCurvatures{};
   const auto vertex = [&](auto& out, std::size_t v) {
     const VertexSpheres spheres = labelled ? mesh.vertex_spheres[v] : on_sphere(kNoSphere);
-    write_ply_vertex(out, mesh.positions[v], view.normals[v], view.color(v), spheres);
+    write_ply_vertex(out, view.position(v), view.normals[v], view.color(v), spheres);
     if (!patched) return;
-    out.raw(curvatures.mean[v]);
-    out.raw(curvatures.gaussian[v]);
+    out.raw(static_cast<float>(curvatures.mean[v] / view.scale));
+    out.raw(static_cast<float>(curvatures.gaussian[v] / (view.scale * view.scale)));
   };
   const auto face = [&](auto& out, std::size_t t) {
     write_ply_face(out, mesh.triangles[t]);

@@ -1,5 +1,5 @@
 // write_records(): the records of a mesh file, its vertices or its faces, formatted on all cores
-// and written in order.
+// and written in order; write_blocks(), by which blocks of them are packed as well.
 //
 // A pipeline of three steps works on blocks of records. The first deals out blocks in their order,
 // the second formats them into buffers, several at a time, and the third hands the buffers over to
@@ -68,11 +68,13 @@ class RecordWords {
 };
 
 // Calls format(out, i) for every i in [0, count), which appends record i, at most `most_bytes`
-// long, to `out`, a RecordBytes; from several threads at the same time. Gives the records to the
-// sink in the order of i. What format() or the sink throws is thrown, after all threads have ended.
-template <class Format>
-void write_records(ByteSink& sink, std::size_t count, std::size_t most_bytes,
-                   const Format& format) {
+// long, to `out`, a RecordBytes; then finish(block) for the text of each block of records, both
+// from several threads at the same time. Gives what finish() returns to put(), block by block in
+// the order of i; a view of the block is valid until put() returns. What one of them throws is
+// thrown, after all threads have ended.
+template <class Format, class Finish, class Put>
+void write_blocks(std::size_t count, std::size_t most_bytes, const Format& format,
+                  const Finish& finish, const Put& put) {
   constexpr std::size_t kBlockBytes = std::size_t{1} << 18;  // stays in the second-level cache
   const std::size_t per_block = std::max<std::size_t>(1, kBlockBytes / most_bytes);
   const std::size_t blocks = (count + per_block - 1) / per_block;
@@ -91,17 +93,25 @@ void write_records(ByteSink& sink, std::size_t count, std::size_t most_bytes,
     RecordBytes out(bytes);
     const std::size_t end = std::min(count, (block + 1) * per_block);
     for (std::size_t i = block * per_block; i < end; ++i) format(out, i);
-    return std::string_view(bytes, static_cast<std::size_t>(out.end() - bytes));
+    return finish(std::string_view(bytes, static_cast<std::size_t>(out.end() - bytes)));
   };
-  const auto write = [&](std::string_view block) { sink.write(block.data(), block.size()); };
+  using Block = decltype(make(std::size_t{}));
   // Isolated: while this thread waits, it takes no other work, which could be long.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_pipeline(
-        buffers,
-        tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, deal) &
-            tbb::make_filter<std::size_t, std::string_view>(tbb::filter_mode::parallel, make) &
-            tbb::make_filter<std::string_view, void>(tbb::filter_mode::serial_in_order, write));
+        buffers, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, deal) &
+                     tbb::make_filter<std::size_t, Block>(tbb::filter_mode::parallel, make) &
+                     tbb::make_filter<Block, void>(tbb::filter_mode::serial_in_order, put));
   });
+}
+
+// The same, with the blocks as they are, for the sink.
+template <class Format>
+void write_records(ByteSink& sink, std::size_t count, std::size_t most_bytes,
+                   const Format& format) {
+  write_blocks(
+      count, most_bytes, format, [](std::string_view block) { return block; },
+      [&](std::string_view block) { sink.write(block.data(), block.size()); });
 }
 
 }  // namespace vdwmesh::formats

@@ -149,13 +149,14 @@ bool begins_as_text(std::string_view bytes) {
 
 namespace {
 
-void write_text_stl(const IndexedMesh& mesh, ByteSink& sink) {
-  constexpr std::string_view kBegin = "solid made by vdwmesh; lengths in angstrom\n",
-                             kEnd = "endsolid\n";
+void write_text_stl(const MeshView& view, ByteSink& sink) {
+  const IndexedMesh& mesh = view.mesh;
+  const std::string begin = fmt::format("solid made by vdwmesh; {}\n", unit_text(view.scale));
+  constexpr std::string_view kEnd = "endsolid\n";
   constexpr std::size_t kMostBytes = 12 * (RecordBytes::kMostPerNumber + 1) + 128;
   // An estimate: nine doubles of about 18 characters, three floats and the words.
   sink.expect(300 * mesh.triangle_count());
-  sink.write(kBegin.data(), kBegin.size());
+  sink.write(begin.data(), begin.size());
   write_records(sink, mesh.triangle_count(), kMostBytes, [&](RecordBytes& out, std::size_t t) {
     const auto write_point = [&out](std::string_view before, const auto& p) {
       out.text(before);
@@ -166,7 +167,7 @@ void write_text_stl(const IndexedMesh& mesh, ByteSink& sink) {
       out.character('\n');
     };
     const auto [i, j, k] = mesh.triangles[t];
-    const Vec3d &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
+    const Vec3d a = view.position(i), b = view.position(j), c = view.position(k);
     write_point("facet normal", unit_normal(a, b, c));
     out.text("outer loop\n");
     for (const Vec3d* p : {&a, &b, &c}) write_point("vertex", *p);
@@ -179,18 +180,18 @@ void write_text_stl(const IndexedMesh& mesh, ByteSink& sink) {
 
 void write_stl(const MeshView& view, ByteSink& sink, Warnings& warnings) {
   const IndexedMesh& mesh = view.mesh;
-  if (view.encoding == MeshEncoding::text) return write_text_stl(mesh, sink);
+  if (view.encoding == MeshEncoding::text) return write_text_stl(view, sink);
   sink.expect(kFirstTriangle + kTriangleSize * mesh.triangle_count());
   ChunkWriter out(sink);
-  std::string header = "binary STL made by vdwmesh; lengths in angstrom";
+  std::string header = fmt::format("binary STL made by vdwmesh; {}", unit_text(view.scale));
   header.resize(kHeaderSize);
   out.text(header);
   out.raw(static_cast<std::uint32_t>(mesh.triangle_count()));
-  FloatLoss loss;
+  FloatLoss loss(view.scale);
   std::uint64_t collapsed = 0;  // triangles with two corners that become equal as floats
   for (std::size_t f = 0; f < mesh.triangle_count(); ++f) {
     const auto [i, j, k] = mesh.triangles[f];
-    const Vec3d &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
+    const Vec3d a = view.position(i), b = view.position(j), c = view.position(k);
     out.begin_record();
     out.raw(unit_normal(a, b, c));
     const std::array<Vec3f, 3> rounded{loss.round(a), loss.round(b), loss.round(c)};

@@ -1,12 +1,18 @@
 // Writer of 3MF, the files of slicers for printers: XML with a unit, in a ZIP archive. A slicer
-// takes 1 Å for 1 mm, as it does in STL. The archive has three members, packed by DEFLATE; its
-// parts are those of APPNOTE.TXT 6.3, the model's those of the 3MF core specification 1.3.
+// takes 1 Å for 1 mm, as it does in STL, unless a scale is given. The archive has three members,
+// packed by DEFLATE; its parts are those of APPNOTE.TXT 6.3, the model's those of the 3MF core
+// specification 1.3.
+//
+// The text is packed block by block on all cores while it is written, and never in memory as a
+// whole. A block ends at a whole byte and needs none before it, so packed blocks follow each other
+// (M. Adler, pigz). Sizes and checksums, which are known last, stand behind each member.
+#define ZLIB_CONST  // zlib then promises not to change what it packs
 #include <fmt/format.h>
-#include <libdeflate.h>
+#include <zlib.h>
 
 #include <array>
 #include <limits>
-#include <memory>
+#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,7 +40,7 @@ constexpr std::string_view kModelBegin =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
     "<model unit=\"millimeter\" xml:lang=\"en-US\" "
     "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
-    "<metadata name=\"Application\">vdwmesh</metadata>\n"
+    "<metadata name=\"Application\">vdwmesh</metadata>{}\n"
     "<resources>";
 constexpr std::string_view kObjectEnd = "</triangles></mesh></object>";
 constexpr std::string_view kModelEnd = "</build>\n</model>\n";
@@ -57,41 +63,30 @@ void write_element(RecordBytes& out, std::string_view name,
 
 constexpr std::size_t kMostPerElement = 32 + 3 * (6 + RecordBytes::kMostPerNumber);
 
-// Names have no characters that XML would have to write in another way.
-void write_object(std::size_t id, const std::string& name, const IndexedMesh& mesh,
-                  ByteSink& sink) {
-  const auto write = [&sink](std::string_view text) { sink.write(text.data(), text.size()); };
-  write(fmt::format("<object id=\"{}\" type=\"model\"", id));
-  if (!name.empty()) write(fmt::format(" name=\"{}\"", name));
-  write("><mesh><vertices>\n");
-  write_records(sink, mesh.vertex_count(), kMostPerElement, [&](RecordBytes& out, std::size_t v) {
-    const Vec3d& p = mesh.positions[v];
-    write_element(out, "<vertex", {" x=\"", " y=\"", " z=\""}, std::array{p.x, p.y, p.z});
-  });
-  write("</vertices><triangles>\n");
-  write_records(sink, mesh.triangle_count(), kMostPerElement, [&](RecordBytes& out, std::size_t t) {
-    write_element(out, "<triangle", {" v1=\"", " v2=\"", " v3=\""}, mesh.triangles[t]);
-  });
-  write(kObjectEnd);
-}
+// Text that was packed up to a whole byte.
+struct PackedBlock {
+  std::string bytes;
+  std::uint32_t checksum = 0;  // CRC-32 of the text
+  std::size_t size = 0;        // of the text
+};
 
-// An estimate: three doubles of about 18 characters per vertex, three 7-digit numbers per triangle.
-std::size_t text_size(const IndexedMesh& mesh) {
-  return 82 * mesh.vertex_count() + 52 * mesh.triangle_count();
-}
-
-// `write_all` writes `count` objects, which have the numbers from 1 on.
-template <class WriteAll>
-std::string model_text(std::size_t bytes, std::size_t count, const WriteAll& write_all) {
-  StringSink sink;
-  sink.expect(bytes);
-  const auto write = [&sink](std::string_view text) { sink.write(text.data(), text.size()); };
-  write(kModelBegin);
-  write_all(sink);
-  write("</resources>\n<build>");
-  for (std::size_t id = 1; id <= count; ++id) write(fmt::format("<item objectid=\"{}\"/>", id));
-  write(kModelEnd);
-  return std::move(sink).take();
+PackedBlock pack(std::string_view text) {
+  constexpr int kLevel = 4, kNoHeader = -15, kMemory = 8;  // twice as fast as level 6
+  z_stream stream{};
+  if (deflateInit2(&stream, kLevel, Z_DEFLATED, kNoHeader, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  constexpr std::size_t kMostOfFlush = 16;  // bytes of an empty block, and to spare
+  std::string bytes(deflateBound(&stream, text.size()) + kMostOfFlush, '\0');
+  const auto* const begin = reinterpret_cast<const Bytef*>(text.data());
+  stream.next_in = begin;
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+  stream.avail_out = static_cast<uInt>(bytes.size());
+  deflate(&stream, Z_SYNC_FLUSH);
+  bytes.resize(stream.total_out);
+  deflateEnd(&stream);
+  const uLong checksum = crc32(0, begin, static_cast<uInt>(text.size()));
+  return {std::move(bytes), static_cast<std::uint32_t>(checksum), text.size()};
 }
 
 // Numbers of 16 and 32 bits, little-endian.
@@ -118,19 +113,33 @@ class ZipWriter {
  public:
   explicit ZipWriter(ByteSink& sink) : sink_(sink) {}
 
-  void add(std::string_view name, std::string_view content) {
-    const std::string packed = pack(content);
-    constexpr std::uint32_t kVersion = 20, kDeflate = 8, kFirstDay = 0x21;  // 1 January 1980
-    Record facts;
-    facts.u16(kVersion).u16(0).u16(kDeflate).u16(0).u16(kFirstDay);
-    facts.u32(libdeflate_crc32(0, content.data(), content.size()));
-    facts.u32(small(packed.size())).u32(small(content.size()));
-    facts.u16(small(name.size())).u16(0);
-    directory_.text("PK\1\2").u16(kVersion).text(facts.get()).u16(0).u16(0).u16(0).u32(0);
-    directory_.u32(small(offset_)).text(name);
+  void begin(std::string_view name) {
+    name_ = name;
+    start_ = offset_;
+    whole_ = {};
+    packed_ = 0;
+    write(Record().text("PK\3\4").text(facts().get()).text(name).get());
+  }
+
+  // Throws LimitExceeded as soon as the text has 4 GB.
+  void add(const PackedBlock& block) {
+    whole_.checksum = static_cast<std::uint32_t>(
+        crc32_combine(whole_.checksum, block.checksum, static_cast<z_off_t>(block.size)));
+    whole_.size += block.size;
+    small(whole_.size);
+    packed_ += block.bytes.size();
+    write(block.bytes);
+  }
+
+  // Behind the member: an empty last block of DEFLATE, and what is known now.
+  void end_member() {
+    constexpr std::string_view kLastBlock("\3\0", 2);
+    add({std::string(kLastBlock), 0, 0});
+    const Record known = facts();
+    write(Record().text("PK\7\10").text(sizes().get()).get());
+    directory_.text("PK\1\2").u16(kVersion).text(known.get()).u16(0).u16(0).u16(0).u32(0);
+    directory_.u32(small(start_)).text(name_);
     ++members_;
-    write(Record().text("PK\3\4").text(facts.get()).text(name).get());
-    write(packed);
   }
 
   void end() {
@@ -142,21 +151,24 @@ class ZipWriter {
   }
 
  private:
+  static constexpr std::uint32_t kVersion = 20;
+
   static std::uint32_t small(std::uint64_t value) {
     if (value >= std::numeric_limits<std::uint32_t>::max())
       throw LimitExceeded("3MF holds 4 GB of text here; choose another format, or longer edges");
     return static_cast<std::uint32_t>(value);
   }
 
-  static std::string pack(std::string_view content) {
-    constexpr int kLevel = 6;
-    const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-        libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
-    if (!compressor) throw std::bad_alloc();
-    std::string packed(libdeflate_deflate_compress_bound(compressor.get(), content.size()), '\0');
-    packed.resize(libdeflate_deflate_compress(compressor.get(), content.data(), content.size(),
-                                              packed.data(), packed.size()));
-    return packed;
+  Record sizes() const {
+    return Record().u32(whole_.checksum).u32(small(packed_)).u32(small(whole_.size));
+  }
+
+  // What the head of a member and the directory say alike. In the head, the sizes are still 0.
+  Record facts() const {
+    constexpr std::uint32_t kSizesBehind = 8, kDeflate = 8, kFirstDay = 0x21;  // 1 January 1980
+    Record facts;
+    facts.u16(kVersion).u16(kSizesBehind).u16(kDeflate).u16(0).u16(kFirstDay);
+    return facts.text(sizes().get()).u16(small(name_.size())).u16(0);
   }
 
   void write(const std::string& bytes) {
@@ -168,33 +180,74 @@ class ZipWriter {
   Record directory_;
   std::uint64_t offset_ = 0;
   std::uint32_t members_ = 0;
+  std::string name_;         // of the member that is being written
+  std::uint64_t start_ = 0;  // where it begins
+  PackedBlock whole_;        // its size and checksum so far
+  std::uint64_t packed_ = 0;
 };
 
-void write_archive(const std::string& model, ByteSink& sink) {
+// Elements with three attributes each, packed by all cores.
+template <class Numbers>
+void add_elements(ZipWriter& zip, std::size_t count, std::string_view name,
+                  const std::array<std::string_view, 3>& attributes, const Numbers& numbers) {
+  write_blocks(
+      count, kMostPerElement,
+      [&](RecordBytes& out, std::size_t i) { write_element(out, name, attributes, numbers(i)); },
+      pack, [&](const PackedBlock& block) { zip.add(block); });
+}
+
+void add_member(ZipWriter& zip, std::string_view name, std::string_view text) {
+  zip.begin(name);
+  zip.add(pack(text));
+  zip.end_member();
+}
+
+// Names have no characters that XML would have to write in another way.
+void add_object(ZipWriter& zip, std::size_t id, const std::string& name, const MeshView& view) {
+  const IndexedMesh& mesh = view.mesh;
+  const std::string named = name.empty() ? "" : fmt::format(" name=\"{}\"", name);
+  zip.add(pack(fmt::format("<object id=\"{}\" type=\"model\"{}><mesh><vertices>\n", id, named)));
+  add_elements(zip, mesh.vertex_count(), "<vertex", {" x=\"", " y=\"", " z=\""},
+               [&](std::size_t v) {
+                 const Vec3d p = view.position(v);
+                 return std::array{p.x, p.y, p.z};
+               });
+  zip.add(pack("</vertices><triangles>\n"));
+  add_elements(zip, mesh.triangle_count(), "<triangle", {" v1=\"", " v2=\"", " v3=\""},
+               [&](std::size_t t) { return mesh.triangles[t]; });
+  zip.add(pack(kObjectEnd));
+}
+
+// add_objects() adds `count` objects, which have the numbers from 1 on.
+template <class AddObjects>
+void write_archive(std::size_t count, double scale, ByteSink& sink, const AddObjects& add_objects) {
   ZipWriter zip(sink);
-  zip.add("[Content_Types].xml", kTypes);
-  zip.add("_rels/.rels", kRelations);
-  zip.add("3D/3dmodel.model", model);
+  add_member(zip, "[Content_Types].xml", kTypes);
+  add_member(zip, "_rels/.rels", kRelations);
+  zip.begin("3D/3dmodel.model");
+  const std::string unit =
+      scale == 1 ? ""
+                 : fmt::format("<metadata name=\"Description\">{}</metadata>", unit_text(scale));
+  zip.add(pack(fmt::format(kModelBegin, unit)));
+  add_objects(zip);
+  std::string items = "</resources>\n<build>";
+  for (std::size_t id = 1; id <= count; ++id) items += fmt::format("<item objectid=\"{}\"/>", id);
+  zip.add(pack(items.append(kModelEnd)));
+  zip.end_member();
   zip.end();
 }
 
 }  // namespace
 
 void write_3mf(const MeshView& view, ByteSink& sink) {
-  write_archive(model_text(text_size(view.mesh), 1,
-                           [&](ByteSink& out) { write_object(1, "", view.mesh, out); }),
-                sink);
+  write_archive(1, view.scale, sink, [&](ZipWriter& zip) { add_object(zip, 1, "", view); });
 }
 
 void write_3mf(std::span<const NamedMesh> meshes, ByteSink& sink) {
-  std::size_t bytes = 0;
-  for (const NamedMesh& m : meshes) bytes += text_size(m.mesh);
-  write_archive(model_text(bytes, meshes.size(),
-                           [&](ByteSink& out) {
-                             for (std::size_t i = 0; i < meshes.size(); ++i)
-                               write_object(i + 1, meshes[i].name, meshes[i].mesh, out);
-                           }),
-                sink);
+  write_archive(meshes.size(), 1, sink, [&](ZipWriter& zip) {
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+      add_object(zip, i + 1, meshes[i].name, {.mesh = meshes[i].mesh});
+  });
 }
 
 }  // namespace vdwmesh::formats

@@ -35,16 +35,6 @@ constexpr double kTitleBaseline = 0.9, kBarTop = 1.4, kBarBottom = 2.3, kTickBot
 // Converts a height in text sizes to rows of pixels; `size` is the text size in pixels.
 int rows(double text_sizes, int size) { return static_cast<int>(std::lround(text_sizes * size)); }
 
-// Returns the colour of text: black on a light background, white on a dark one. A background is
-// light if its relative luminance (CIE Y of sRGB, computed in linear light) exceeds 0.18, the
-// luminance of middle grey. Text on a transparent background (no value) is black.
-Rgb ink_on(const std::optional<Rgb>& background) {
-  if (!background) return {0, 0, 0};
-  const double luminance = 0.2126 * to_linear(background->r) + 0.7152 * to_linear(background->g) +
-                           0.0722 * to_linear(background->b);
-  return luminance > 0.18 ? Rgb{0, 0, 0} : Rgb{1, 1, 1};
-}
-
 // Pixels of a picture: columns [left, right) and rows [top, bottom).
 struct Rectangle {
   int left, right, top, bottom;
@@ -102,6 +92,13 @@ void draw_ticks(const ColorScale& scale, const Rectangle& bar, const Font& font,
 }
 
 }  // namespace
+
+Rgb ink_on(const std::optional<Rgb>& background) {
+  if (!background) return {0, 0, 0};
+  const double luminance = 0.2126 * to_linear(background->r) + 0.7152 * to_linear(background->g) +
+                           0.0722 * to_linear(background->b);
+  return luminance > 0.18 ? Rgb{0, 0, 0} : Rgb{1, 1, 1};
+}
 
 int legend_height(int picture_width, int picture_height) {
   if (picture_width < kLeastWidth || picture_height < kLeastHeight) {

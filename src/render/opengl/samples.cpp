@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/vec3.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -23,17 +23,11 @@ const std::array<double, 256>& linear_of_byte() {
   return kTable;
 }
 
-// The sum of light over the covered samples of one pixel, and the number of these samples.
-struct CoveredPixels {
-  Vec3d light{};  // red, green, blue
-  int count = 0;
-};
-
 // Adds up the covered samples of one pixel, in column x and in the given row. Rows count from the
 // bottom, as in PixelSamples.
-CoveredPixels gather(const PixelSamples& s, int x, int y_from_bottom) {
+CoveredPixel gather(const PixelSamples& s, int x, int y_from_bottom) {
   const std::array<double, 256>& linear = linear_of_byte();
-  CoveredPixels covered;
+  CoveredPixel covered;
   for (int j = 0; j < s.per_axis; ++j) {
     const auto row = static_cast<std::size_t>(y_from_bottom * s.per_axis + j) *
                      static_cast<std::size_t>(s.width);
@@ -41,9 +35,7 @@ CoveredPixels gather(const PixelSamples& s, int x, int y_from_bottom) {
       const Rgba8& v = s.values[row + static_cast<std::size_t>(x * s.per_axis + i)];
       // Alpha 0: the sample shows no surface.
       if (v[3] == 0) continue;
-      covered.light.x += linear[v[0]];
-      covered.light.y += linear[v[1]];
-      covered.light.z += linear[v[2]];
+      covered.light = covered.light + Vec3d{linear[v[0]], linear[v[1]], linear[v[2]]};
       ++covered.count;
     }
   }
@@ -52,7 +44,7 @@ CoveredPixels gather(const PixelSamples& s, int x, int y_from_bottom) {
 
 // Returns a pixel of a picture without a background. Alpha is straight: the colour is not
 // multiplied by it. `samples` is the number of samples of a pixel.
-Rgba8 over_nothing(const CoveredPixels& c, int samples) {
+Rgba8 over_nothing(const CoveredPixel& c, int samples) {
   if (c.count == 0) return {0, 0, 0, 0};
   const double n = c.count;
   return {to_srgb_byte(c.light.x / n), to_srgb_byte(c.light.y / n), to_srgb_byte(c.light.z / n),
@@ -60,7 +52,7 @@ Rgba8 over_nothing(const CoveredPixels& c, int samples) {
 }
 
 // Returns a pixel over a background. Samples that are not covered show the background.
-Rgba8 over(const Vec3d& background, const CoveredPixels& c, int samples) {
+Rgba8 over(const Vec3d& background, const CoveredPixel& c, int samples) {
   const double free = samples - c.count;
   const auto channel = [&](double light, double behind) {
     return to_srgb_byte((light + free * behind) / samples);
@@ -80,18 +72,28 @@ std::uint8_t to_srgb_byte(double light) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
 }
 
-void resolve(const PixelSamples& samples, const std::optional<Rgb>& background, Picture& picture) {
-  const int rows = samples.height / samples.per_axis, of = samples.per_axis * samples.per_axis;
+void add_layer(const PixelSamples& samples, double weight, std::span<CoveredPixel> pixels) {
+  const int rows = samples.height / samples.per_axis, columns = samples.width / samples.per_axis;
+  tbb::parallel_for(0, rows, [&](int y) {
+    for (int x = 0; x < columns; ++x) {
+      const CoveredPixel covered = gather(samples, x, rows - 1 - y);
+      CoveredPixel& pixel = pixels[static_cast<std::size_t>(y * columns + x)];
+      pixel.light = pixel.light + weight * covered.light;
+      pixel.count += weight * covered.count;
+    }
+  });
+}
+
+void resolve(std::span<const CoveredPixel> pixels, int samples,
+             const std::optional<Rgb>& background, Picture& picture) {
   // The samples are bytes, so the background is rounded to bytes too: a pixel without covered
   // samples then has exactly the bytes of the background.
   const auto bytes = to_bytes(background.value_or(Rgb{0, 0, 0}));
   const std::array<double, 256>& linear = linear_of_byte();
   const Vec3d behind{linear[bytes[0]], linear[bytes[1]], linear[bytes[2]]};
-  tbb::parallel_for(0, rows, [&](int y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const CoveredPixels covered = gather(samples, x, rows - 1 - y);
-      picture.at(x, y) = background ? over(behind, covered, of) : over_nothing(covered, of);
-    }
+  for_each_index(pixels.size(), [&](std::size_t i) {
+    picture.pixels[i] =
+        background ? over(behind, pixels[i], samples) : over_nothing(pixels[i], samples);
   });
 }
 

@@ -28,13 +28,13 @@ uniform bool perspective;
 
 vec3 toward_viewer(vec3 position) { return perspective ? normalize(-position) : vec3(0, 0, 1); }
 
-// Share of the surface's own colour, and of white.
-vec2 illuminate(vec3 normal, vec3 position) {
+// Share of the surface's own colour, and of white. Places that see less of the sky get less of all.
+vec2 illuminate(vec3 normal, vec3 position, float sky) {
   vec3 viewer = toward_viewer(position);
   float ambient = material.x * (0.5 + 0.5 * max(dot(normal, viewer), 0.0));
   float diffuse = material.y * max(dot(normal, light), 0.0);
   float highlight = pow(max(dot(normal, normalize(light + viewer)), 0.0), material.w);
-  return vec2(ambient + diffuse, dot(normal, light) > 0.0 ? material.z * highlight : 0.0);
+  return sky * vec2(ambient + diffuse, dot(normal, light) > 0.0 ? material.z * highlight : 0.0);
 }
 
 vec3 to_linear(vec3 c) {
@@ -62,6 +62,7 @@ out vec3 eye_position;
 out vec3 eye_normal;
 out vec3 own_color;
 out float own_value;
+out float own_sky;
 #ifdef GOURAUD
 out vec4 both_lights;
 #endif
@@ -72,9 +73,10 @@ void main() {
   eye_normal = axes * normal;
   own_color = to_linear(color.rgb);
   own_value = value;
+  own_sky = color.a;
 #ifdef GOURAUD
   vec3 n = normalize(eye_normal);
-  both_lights = vec4(illuminate(n, eye_position), illuminate(-n, eye_position));
+  both_lights = vec4(illuminate(n, eye_position, own_sky), illuminate(-n, eye_position, own_sky));
 #endif
 }
 )";
@@ -87,6 +89,7 @@ in vec3 eye_position;
 in vec3 eye_normal;
 in vec3 own_color;
 in float own_value;
+in float own_sky;
 #ifdef GOURAUD
 in vec4 both_lights;
 #endif
@@ -95,6 +98,10 @@ uniform vec2 bounds;         // of the values
 uniform int first_triangle;
 uniform sampler2D palette;
 uniform samplerBuffer triangle_values;
+#ifdef LAYERS
+uniform sampler2D nearer;    // depths of the layer in front
+uniform bool is_behind;      // whether there is one
+#endif
 out vec4 result;
 
 const vec3 no_value = vec3(0.5);
@@ -107,6 +114,9 @@ vec3 color_of(float v) {
 }
 
 void main() {
+#ifdef LAYERS
+  if (is_behind && gl_FragCoord.z <= texelFetch(nearer, ivec2(gl_FragCoord.xy), 0).r) discard;
+#endif
   vec3 color = own_color;
   if (paint == 1) color = color_of(own_value);
   if (paint == 2) color = color_of(texelFetch(triangle_values, first_triangle + gl_PrimitiveID).r);
@@ -114,7 +124,7 @@ void main() {
   vec2 shares = gl_FrontFacing ? both_lights.xy : both_lights.zw;
 #else
   vec3 n = normalize(eye_normal);
-  vec2 shares = illuminate(gl_FrontFacing ? n : -n, eye_position);
+  vec2 shares = illuminate(gl_FrontFacing ? n : -n, eye_position, own_sky);
 #endif
   result = vec4(to_srgb(shares.x * color + shares.y), 1);
 }
@@ -132,9 +142,8 @@ std::string log_of(GLuint name, decltype(glGetShaderInfoLog) get) {
 // A compiled shader, deleted with the object.
 class Shader {
  public:
-  Shader(GLenum kind, Shading shading, const char* body) : name_(glCreateShader(kind)) {
-    const char* define = shading == Shading::gouraud ? "#define GOURAUD\n" : "";
-    const char* parts[] = {kCommon, define, body};
+  Shader(GLenum kind, const std::string& defines, const char* body) : name_(glCreateShader(kind)) {
+    const char* parts[] = {kCommon, defines.c_str(), body};
     glShaderSource(name_, 3, parts, nullptr);
     glCompileShader(name_);
     GLint compiled = 0;
@@ -166,9 +175,11 @@ int paint_number(PaintKind paint) {
 
 }  // namespace
 
-SurfaceProgram::SurfaceProgram(Shading shading) {
-  const Shader vertex(GL_VERTEX_SHADER, shading, kVertex);
-  const Shader fragment(GL_FRAGMENT_SHADER, shading, kFragment);
+SurfaceProgram::SurfaceProgram(const RenderOptions& options) {
+  std::string defines = options.shading == Shading::gouraud ? "#define GOURAUD\n" : "";
+  if (options.opacity < 1) defines += "#define LAYERS\n";
+  const Shader vertex(GL_VERTEX_SHADER, defines, kVertex);
+  const Shader fragment(GL_FRAGMENT_SHADER, defines, kFragment);
   name_ = glCreateProgram();
   glAttachShader(name_, vertex.name());
   glAttachShader(name_, fragment.name());
@@ -211,7 +222,10 @@ void SurfaceProgram::use(const Camera& camera, const RenderOptions& options, Pai
   }
   glUniform1i(place("palette"), 0);
   glUniform1i(place("triangle_values"), 1);
+  glUniform1i(place("nearer"), 2);
 }
+
+void SurfaceProgram::set_layer(int layer) const { glUniform1i(place("is_behind"), layer > 0); }
 
 void SurfaceProgram::set_first_triangle(std::uint64_t triangle) const {
   glUniform1i(place("first_triangle"), static_cast<GLint>(triangle));

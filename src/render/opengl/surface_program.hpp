@@ -14,7 +14,7 @@ enum SurfaceAttribute : GLuint { kPosition = 0, kNormal = 1, kColor = 2, kValue 
 class SurfaceProgram {
  public:
   // Compiles and links. Throws Error with the first line of the compiler's or linker's log.
-  explicit SurfaceProgram(Shading shading);
+  explicit SurfaceProgram(const RenderOptions& options);
   ~SurfaceProgram();
   SurfaceProgram(const SurfaceProgram&) = delete;
   SurfaceProgram& operator=(const SurfaceProgram&) = delete;
@@ -24,6 +24,9 @@ class SurfaceProgram {
   // null if colours are painted, not values.
   void use(const Camera& camera, const RenderOptions& options, PaintKind paint,
            const ColorScale* scale) const;
+  // Sets which layer is drawn next, counted from 0 at the front. Those behind need the depths of
+  // the one before in texture unit 2 (Canvas::begin_layer()).
+  void set_layer(int layer) const;
   // Sets the index of the first triangle of the next draw call, which the fragment shader adds to
   // the number of a triangle within the call.
   void set_first_triangle(std::uint64_t triangle) const;

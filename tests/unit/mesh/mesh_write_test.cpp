@@ -285,6 +285,41 @@ TEST(MeshIo, WarnsWhereFloatsLoseTooMuch) {
   EXPECT_THROW(warnings(testing::scaled(testing::cube(), 1e40), MeshFormat::stl), InvalidInput);
 }
 
+// A factor of two changes no digit of a double, nor of a float.
+TEST(MeshIo, CoordinatesAreMultipliedByTheScale) {
+  const testing::TemporaryDirectory folder;
+  const IndexedMesh mesh = labelled_mesh();
+  for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
+    const fs::path path = folder.path() / name;
+    const auto written = [&](const IndexedMesh& made, double scale) {
+      write_mesh(made, path, {}, nullptr, MeshEncoding::binary, scale);
+      return read_mesh(path).mesh;
+    };
+    expect_same_bits(written(mesh, 4), written(testing::scaled(mesh, 4), 1));
+  }
+}
+
+TEST(MeshIo, RefusesScalesThatLeaveNoMesh) {
+  const testing::TemporaryDirectory folder;
+  for (const double scale : {0.0, -1.0, std::nan(""), HUGE_VAL, 1e308}) {
+    EXPECT_THROW(write_mesh(labelled_mesh(), folder.path() / "a.ply", {}, nullptr,
+                            MeshEncoding::binary, scale),
+                 InvalidInput);
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+// Losses are told in Å, whatever the file's unit: here half of the step of floats near 5000 Å.
+TEST(MeshIo, WarnsOfLossesInAngstrom) {
+  const testing::TemporaryDirectory folder;
+  const IndexedMesh far = testing::translated(labelled_mesh(), {5000, 0, 0});
+  for (const double scale : {0.0625, 1.0, 1024.0}) {
+    const std::vector<std::string> warnings =
+        write_mesh(far, folder.path() / "a.stl", {}, nullptr, MeshEncoding::binary, scale);
+    EXPECT_THAT(warnings, ElementsAre(HasSubstr("up to 2.4e-04 Å"))) << scale;
+  }
+}
+
 TEST(MeshIo, WarnsWhereStlCollapsesTriangles) {
   IndexedMesh mesh = testing::tetrahedron();
   mesh.positions[1] = {1e-12, 0, 0};

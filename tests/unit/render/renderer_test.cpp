@@ -240,6 +240,115 @@ TEST_F(Drawing, NearTrianglesHideFarOnes) {
   expect_color(draw(far_first, far_blue, flat_options()).at(20, 20), blue);
 }
 
+// Three squares, one behind the other: red, green and blue from the viewer on.
+IndexedMesh three_squares() {
+  return together(together(translated(square(), {0, 0, -1}), translated(square(), {0, 0, 1})),
+                  square());
+}
+const VertexColors kBlueRedGreen{{{0, 0, 1},
+                                  {0, 0, 1},
+                                  {0, 0, 1},
+                                  {0, 0, 1},
+                                  {1, 0, 0},
+                                  {1, 0, 0},
+                                  {1, 0, 0},
+                                  {1, 0, 0},
+                                  {0, 1, 0},
+                                  {0, 1, 0},
+                                  {0, 1, 0},
+                                  {0, 1, 0}}};
+
+// A layer sends the share a of its light and lets 1 - a through, whichever was drawn first.
+TEST_F(Drawing, LayersOfATransparentSurfaceAreSeenThroughThoseInFront) {
+  const IndexedMesh mesh = three_squares();
+  for (const double a : {0.2, 0.5, 0.9}) {
+    RenderOptions options = flat_options();
+    options.opacity = a;
+    options.background = Rgb{1, 1, 1};
+    const double rest = std::pow(1 - a, 3);
+    const auto byte = [&](double light) { return 255 * srgb(light); };
+    const Rgba8 pixel = draw(mesh, kBlueRedGreen, options).at(150, 150);
+    EXPECT_NEAR(pixel[0], byte(a + rest), 1);
+    EXPECT_NEAR(pixel[1], byte(a * (1 - a) + rest), 1);
+    EXPECT_NEAR(pixel[2], byte(a * (1 - a) * (1 - a) + rest), 1);
+    options.background.reset();
+    EXPECT_NEAR(draw(mesh, kBlueRedGreen, options).at(150, 150)[3], 255 * (1 - rest), 0.5);
+  }
+}
+
+// A transparent ball has two layers inside its disc, and none beside it.
+TEST_F(Drawing, ATransparentBallHasAFrontAndABack) {
+  RenderOptions options = sphere_options();
+  options.opacity = 0.4;
+  const double layers = 1 - 0.6 * 0.6;
+  EXPECT_NEAR(covered_area(draw(icosphere(5), kGrey, options)), layers * kDiscArea,
+              layers * disc_tolerance(options));
+}
+
+double ink_area(const Picture& picture) {
+  double sum = 0;
+  for (const Rgba8& pixel : picture.pixels) {
+    if (std::max({pixel[0], pixel[1], pixel[2]}) < 40) sum += pixel[3] / 255.0;
+  }
+  return sum;
+}
+
+// The line is as wide as asked for, and half of it lies outside. It follows samples, so that each
+// of its borders may be one beside its place; a pixel that it covers in part counts for neither.
+TEST_F(Drawing, AnOutlineRunsAroundABall) {
+  RenderOptions options = sphere_options();
+  options.outline = 0.04;
+  const Picture picture = draw(icosphere(5), kGrey, options);
+  const double width = 0.04 * kPixelsAcross, around = 2 * std::numbers::pi * kSphereRadius;
+  const double outer = kSphereRadius + width / 2;
+  EXPECT_NEAR(covered_area(picture), std::numbers::pi * outer * outer,
+              disc_tolerance(options) + around / options.samples_per_axis);
+  EXPECT_NEAR(ink_area(picture), around * width, around * (1 + 2.0 / options.samples_per_axis));
+  EXPECT_EQ(ink_area(draw(icosphere(5), kGrey, sphere_options())), 0);
+}
+
+// The small square in front stands out by 10 % or 2 % of the depth of the whole, which is 10.
+TEST_F(Drawing, AnOutlineNeedsAJumpInDepth) {
+  for (const double height : {1.0, 0.2}) {
+    const IndexedMesh near = together(translated(scaled(square(), 0.5), {0, 0, height}), square());
+    const IndexedMesh mesh = together(near, translated(scaled(square(), 0.1), {0, 0, height - 10}));
+    RenderOptions options = flat_options();
+    options.outline = 0.02;
+    const Picture picture = draw(mesh, kGrey, options);
+    EXPECT_EQ(picture.at(75, 150)[0] < 10, height == 1.0) << height;
+    EXPECT_GT(picture.at(60, 150)[0], 100);
+    EXPECT_GT(picture.at(90, 150)[0], 100);
+  }
+}
+
+// A line hides what is behind it, whatever the surface lets through; on black it is white.
+TEST_F(Drawing, AnOutlineIsOpaqueAndStandsOutFromTheBackground) {
+  RenderOptions options = flat_options();
+  options.margin = 0.1, options.outline = 0.02, options.opacity = 0.3;
+  EXPECT_EQ(draw(square(), kGrey, options).at(30, 150), (Rgba8{0, 0, 0, 255}));
+  options.background = Rgb{0, 0, 0};
+  EXPECT_EQ(draw(square(), kGrey, options).at(30, 150), (Rgba8{255, 255, 255, 255}));
+}
+
+// A wall stands on the left side of the square, on edge in the picture. The middle of the square is
+// on the edge between two of its corners, and has the mean of the light that the sky sends there.
+TEST_F(Drawing, ShadedSurfacesHaveTheLightOfTheSkyTheySee) {
+  const IndexedMesh wall =
+      make_mesh({{-1, -1, 0}, {-1, 1, 0}, {-1, 1, 2}, {-1, -1, 2}}, {{0, 1, 2}, {0, 2, 3}});
+  const IndexedMesh mesh = together(square(), wall);
+  MeshSource source(mesh, kGrey);
+  RenderOptions options = flat_options();
+  const Renderer renderer;
+  expect_color(renderer.draw(source, options).at(150, 150), kGrey);
+  source.shade();
+  const Buffer<Vec3f> normals = vertex_normals(mesh);
+  const std::vector<float> sky = visible_sky(mesh, {normals.data(), normals.size()}, source);
+  const double mean = (sky[0] + sky[2]) / 2;
+  EXPECT_LT(mean, 0.95);
+  const auto level = static_cast<float>(srgb(mean * linear(0.5)));
+  expect_color(renderer.draw(source, options).at(150, 150), {level, level, level});
+}
+
 TEST_F(Drawing, APictureThatWouldBeEmptyIsRefused) {
   RenderOptions edge_on = flat_options();
   edge_on.view.toward_viewer = {1, 0, 0};
@@ -258,6 +367,9 @@ TEST_F(Drawing, OptionsOutOfRangeAreRefused) {
   refused([](RenderOptions& o) { o.samples_per_axis = 0; });
   refused([](RenderOptions& o) { o.margin = 0.5; });
   refused([](RenderOptions& o) { o.light = {0, 0, 0}; });
+  refused([](RenderOptions& o) { o.opacity = 0; });
+  refused([](RenderOptions& o) { o.opacity = 1.5; });
+  refused([](RenderOptions& o) { o.outline = 0.5; });
 }
 
 TEST_F(Drawing, LimitsAreCheckedBeforeMemoryIsTaken) {
