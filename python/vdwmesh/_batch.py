@@ -276,10 +276,11 @@ def _sets(
 
 
 def _there(columns: Any, slopes: Any) -> CudaAtoms:
+    areas, volumes = columns
     if slopes is None:
-        return atoms_there(*columns)
+        return atoms_there(areas, volumes)
     *own, kinks = slopes
-    return atoms_there(*columns, gradient_there(own, sum(kinks)))
+    return atoms_there(areas, volumes, gradient_there(own, sum(kinks)))
 
 
 def pulled_back(

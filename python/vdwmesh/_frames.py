@@ -217,6 +217,7 @@ def _measured(
         if weights is None:
             found = measure(part.coords, radii, options)
         else:
+            assert isinstance(part.coords, CudaInput)
             found = measure_gradient_there(part.coords, radii, weights, options)
         for number, time, one in zip(part.numbers, part.times, found.frames):
             yield FrameResult(

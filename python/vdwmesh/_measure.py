@@ -182,7 +182,8 @@ def measure_gradient_there(frames: CudaInput, radii: Any, weights: list[Any], op
 
 def gradient_there(columns: Sequence[Any], kinks: int) -> CudaGradient:
     """Columns of derivatives that the C++ side left on a device."""
-    return CudaGradient(*map(CudaArray, columns), kink_atoms=kinks)
+    area_coords, area_radii, volume_coords, volume_radii = map(CudaArray, columns)
+    return CudaGradient(area_coords, area_radii, volume_coords, volume_radii, kinks)
 
 
 def atoms_there(areas: Any, volumes: Any, gradient: CudaGradient | None = None) -> CudaAtoms:

@@ -13,7 +13,7 @@ import numpy as np
 from vdwmesh import _core, _sinks
 from vdwmesh._arrays import floats, given_number, number, thread_count, view
 from vdwmesh._cuda import CudaInput, CudaMesh, HasCudaArray, packed
-from vdwmesh._sources import arrays_anywhere, arrays_of
+from vdwmesh._sources import arrays_anywhere, joined
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:

@@ -78,7 +78,8 @@ def _double(*arrays: Any) -> list[Any]:
 
 
 def _measured(offsets: Any, probe: float, threads: int | None, coords: Any, radii: Any) -> tuple[Any, Any]:
-    found = exact_many(*_double(coords, radii), offsets, probe=probe, threads=threads, device="cpu")
+    places, sizes = _double(coords, radii)
+    found = exact_many(places, sizes, offsets, probe=probe, threads=threads, device="cpu")
     return found.atom_area.astype(radii.dtype), found.atom_volume.astype(radii.dtype)
 
 

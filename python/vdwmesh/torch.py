@@ -105,15 +105,15 @@ class _Measures(torch.autograd.Function):  # type: ignore[misc]
     def backward(ctx: Any, area_grads: Any, volume_grads: Any) -> tuple[Any, Any, None, None, None]:
         coords, radii = ctx.saved_tensors
         if coords.is_cuda:
-            args = [_there(tensor, coords.device) for tensor in (coords, radii, area_grads, volume_grads)]
-            found = exact_many(*args[:2], ctx.offsets, gradient=True, weights=(args[2], args[3]), **ctx.options)
+            x, r, *weights = (_there(tensor, coords.device) for tensor in (coords, radii, area_grads, volume_grads))
+            found = exact_many(x, r, ctx.offsets, gradient=True, weights=(weights[0], weights[1]), **ctx.options)
             g: Any = found.cuda and found.cuda.gradient
             columns = (g.area_coords, g.area_radii, g.volume_coords, g.volume_radii)
             by_a, by_ar, by_v, by_vr = (_tensor(column, coords.device) for column in columns)
             return (by_a + by_v).to(coords), (by_ar + by_vr).to(radii), None, None, None
-        weights = (_array(area_grads), _array(volume_grads))
+        given = (_array(area_grads), _array(volume_grads))
         by_coords, by_radii = pulled_back(
-            _array(coords), _array(radii), ctx.offsets, weights, device="cpu", **ctx.options
+            _array(coords), _array(radii), ctx.offsets, given, device="cpu", **ctx.options
         )
         return torch.tensor(by_coords).to(coords), torch.tensor(by_radii).to(radii), None, None, None
 

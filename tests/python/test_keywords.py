@@ -60,7 +60,7 @@ class KeywordPairs(unittest.TestCase):
             "batch": lambda **k: list(vdwmesh.batch([cls.path, cls.path], **k)),
             "sample": lambda **k: vdwmesh.sample("bpti", **k),
             "exact": lambda **k: vdwmesh.exact(coords, radii, **k),
-            "exact_many": lambda **k: vdwmesh.exact_many(coords, radii, [0, 100, len(radii)], **k),
+            "exact_many": lambda **k: vdwmesh.exact_many(coords, radii, [0, 4, len(radii)], **k),
             "rates": lambda **k: vdwmesh.rates(coords, radii, **{"growth": radii, **k}),
             "jacobian": lambda **k: vdwmesh.jacobian(coords, radii, **k),
             "interface": lambda **k: vdwmesh.interface(cls.molecule, **k),
