@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Callable, Iterator
 
 import numpy as np
 
 from vdwmesh import _core, _sinks
-from vdwmesh._arrays import Brief, chosen
+from vdwmesh._arrays import Brief, chosen, thread_count
 from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
 from vdwmesh._exact import (
     ExactUnion,
@@ -372,16 +373,18 @@ def meshes(
     step: int | None = None,
     **options: Any,
 ) -> Iterator[FrameMesh]:
-    """Meshes of the frames of a trajectory, on a grid that stays put.
+    """Meshes of the frames of a trajectory: by marching cubes, on a grid that stays put, or exact ones.
 
-    Frames are meshed one after another on all cores, while a thread reads the next ones.
+    Frames are meshed one after another on all cores, and excluded surfaces one on each core, while a thread
+    reads the next ones.
 
     Parameters
     ----------
     traj, radii, select, start, stop, step
         As for `frames`.
     **options
-        As for `mesh`, but `mesher` is "marching-cubes" and `fixed_grid` is True unless said otherwise.
+        As for `mesh`, but `mesher` is "marching-cubes" for surfaces of balls unless it, a density, an edge
+        length or a distance is given, and its `fixed_grid` is True unless said otherwise.
 
     Yields
     ------
@@ -395,21 +398,33 @@ def meshes(
     >>> [len(one.mesh.vertices) > 0 for one in vdwmesh.meshes(places, radii=[1.7])]
     [True, True]
     """
-    options.setdefault("mesher", "marching-cubes")
+    excluded = _core.is_excluded(options.get("surface", "vdw"))
+    if options.get("mesher") is None:
+        triangles_asked = any(options.get(name) is not None for name in ("density", "edge_length", "max_distance"))
+        options["mesher"] = "exact" if excluded or triangles_asked else "marching-cubes"
     options.setdefault("fixed_grid", options["mesher"] == "marching-cubes")
     given = trajectory_of(traj, select, Window.of(start, stop, step))
-    return _meshed(given, radii_of_frames(radii, given), options)
+    cores = 1
+    if excluded:  # their mesher works on one core in the main
+        cores = thread_count(options.get("threads")) or os.cpu_count() or 1
+        options["threads"] = 1
+    return _meshed(given, radii_of_frames(radii, given), cores, options)
 
 
-def _meshed(given: Trajectory, radii: Any, options: dict[str, Any]) -> Iterator[FrameMesh]:
-    for part in given.chunks(_FRAMES_OF_MESHES):
-        for number, time, coords in zip(part.numbers, part.times, part.coords):
-            atoms = Atoms(coords=coords, unit=given.atoms.unit)
-            try:
-                found = mesh(atoms, radii, **options)
-            except InvalidInput as error:
-                raise InvalidInput(f"traj: frame {number}: {error}") from None
-            yield FrameMesh(number, time, found)
+def _meshed(given: Trajectory, radii: Any, cores: int, options: dict[str, Any]) -> Iterator[FrameMesh]:
+    def meshed(number: int, time: float | None, coords: Any) -> FrameMesh:
+        atoms = Atoms(coords=coords, unit=given.atoms.unit)
+        try:
+            return FrameMesh(number, time, mesh(atoms, radii, **options))
+        except InvalidInput as error:
+            raise InvalidInput(f"traj: frame {number}: {error}") from None
+
+    for part in given.chunks(max(_FRAMES_OF_MESHES, cores)):
+        if cores == 1:
+            yield from map(meshed, part.numbers, part.times, part.coords)
+        else:
+            with ThreadPoolExecutor(cores) as pool:
+                yield from pool.map(meshed, part.numbers, part.times, part.coords)
 
 
 _FRAMES_OF_MESHES = 4  # that are read at once: a mesh takes far longer than reading its frame

@@ -261,20 +261,28 @@ class MeshesTest(unittest.TestCase):
         self.assertNotEqual(loose, fixed)
 
     def test_meshes_are_those_of_single_calls(self):
-        for options in ({"mesher": "exact", "probe": 0.5}, {"spacing": 0.4, "subdivide": 1, "normals": False}):
-            alone = {"mesher": "marching-cubes", "fixed_grid": options.get("mesher") != "exact", **options}
-            for place, one in zip(self.places, vdwmesh.meshes(self.places, radii=[1.5, 1.7], **options)):
-                expected = vdwmesh.mesh(place, [1.5, 1.7], **alone)
+        for options, alone in (
+            ({"mesher": "exact", "probe": 0.5}, {}),
+            ({"spacing": 0.4, "subdivide": 1, "normals": False}, {"mesher": "marching-cubes", "fixed_grid": True}),
+            ({"surface": "ses", "density": 2, "threads": 3}, {}),
+            ({"surface": "ses"}, {}),
+            ({"edge_length": 0.5}, {}),
+        ):
+            found = list(vdwmesh.meshes(self.places, radii=[1.5, 1.7], **options))
+            self.assertEqual([one.frame for one in found], [0, 1, 2, 3])
+            for place, one in zip(self.places, found):
+                expected = vdwmesh.mesh(place, [1.5, 1.7], **{**alone, **options})
                 np.testing.assert_array_equal(one.mesh.vertices, expected.vertices)
                 np.testing.assert_array_equal(one.mesh.faces, expected.faces)
 
     def test_wrong_frames_and_options(self):
         self.places[2, 0, 0] = NAN
-        found = []
-        with self.assertRaisesRegex(ValueError, r"^traj: frame 2: coords\[0\]: \(nan, 0.07, -0.05\) is not finite"):
-            for one in vdwmesh.meshes(self.places, radii=[1.5, 1.7]):
-                found.append(one.frame)
-        self.assertEqual(found, [0, 1])
+        for surface in ("vdw", "ses"):
+            found = []
+            with self.assertRaisesRegex(ValueError, r"^traj: frame 2: coords\[0\]: \(nan, 0.07, -0.05\) is not finite"):
+                for one in vdwmesh.meshes(self.places, radii=[1.5, 1.7], surface=surface, threads=2):
+                    found.append(one.frame)
+            self.assertEqual(found, [0, 1])
         with self.assertRaisesRegex(ValueError, 'fixed_grid: mesher="exact" has no grid'):
             list(vdwmesh.meshes(self.places, radii=[1, 1], mesher="exact", fixed_grid=True))
 
